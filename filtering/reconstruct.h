@@ -1,0 +1,24 @@
+// From samples to the smooth function, its gradient and Hessian, in double: the CPU twin of the
+// shaders and the truth that they are tested against.
+// SPDX-License-Identifier: MPL-2.0
+#pragma once
+
+#include "volume/analytic_fields.h"
+#include "volume/field_source.h"
+
+namespace isocast {
+
+/// Value of the tricubic B-spline whose control samples are `field`'s samples.
+///
+/// p_index  samples at integers
+/// returns  [world]; the spline smooths: it does not pass through the samples
+/// source   thesis eq. 5.1 per axis
+/// twin     shaders/filtering/tricubic.glsl: tricubic_value()
+double tricubic_value(const FieldSource& field, const Vec3d& p_index);
+
+/// Value [world], gradient [world/voxel] and Hessian [world/voxel^2] in index space.
+/// source  thesis section 5.3
+/// twin    shaders/filtering/tricubic.glsl: tricubic_gradient()
+Jet tricubic_jet(const FieldSource& field, const Vec3d& p_index);
+
+} // namespace isocast

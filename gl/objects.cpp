@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: MPL-2.0
+#include "gl/objects.h"
+
+#include "gl/errors.h"
+
+#include <fmt/format.h>
+#include <glad/gl.h>
+
+#include <algorithm>
+#include <cassert>
+
+namespace isocast::gl {
+
+namespace {
+
+void set_label(GLenum kind, unsigned id, std::string_view label) {
+    glObjectLabel(kind, id, static_cast<GLsizei>(label.size()), label.data());
+}
+
+struct FormatInfo {
+    GLenum internal;
+    GLenum channels;
+    int floats;
+    int bytes;
+};
+
+FormatInfo info(Format format) {
+    switch (format) {
+    case Format::R32f:
+        return {GL_R32F, GL_RED, 1, 4};
+    case Format::Rgba32f:
+        return {GL_RGBA32F, GL_RGBA, 4, 16};
+    case Format::Rgba16f:
+        return {GL_RGBA16F, GL_RGBA, 4, 8};
+    case Format::Rgba8:
+        return {GL_RGBA8, GL_RGBA, 4, 4};
+    }
+    throw GlError("unknown texture format");
+}
+
+// GL_OUT_OF_MEMORY is the one error that release builds must ask for.
+void throw_if_out_of_memory(std::int64_t bytes, std::string_view label) {
+    if (glGetError() == GL_OUT_OF_MEMORY)
+        throw GlError(
+            fmt::format("no memory for {} MiB of '{}' on the GL side", bytes >> 20, label));
+}
+
+} // namespace
+
+void delete_buffer(unsigned id) noexcept {
+    glDeleteBuffers(1, &id);
+}
+void delete_texture(unsigned id) noexcept {
+    glDeleteTextures(1, &id);
+}
+void delete_framebuffer(unsigned id) noexcept {
+    glDeleteFramebuffers(1, &id);
+}
+void delete_vertex_array(unsigned id) noexcept {
+    glDeleteVertexArrays(1, &id);
+}
+void delete_program(unsigned id) noexcept {
+    glDeleteProgram(id);
+}
+void delete_query(unsigned id) noexcept {
+    glDeleteQueries(1, &id);
+}
+
+Buffer::Buffer(std::span<const std::byte> data, std::string_view label)
+    : byte_count_(static_cast<std::int64_t>(data.size())) {
+    unsigned id = 0;
+    glCreateBuffers(1, &id);
+    handle_ = Handle<delete_buffer>(id);
+    set_label(GL_BUFFER, id, label);
+    // GL refuses buffers of no bytes; one byte stands for "empty".
+    glNamedBufferStorage(id, std::max<GLsizeiptr>(1, static_cast<GLsizeiptr>(data.size())),
+                         data.empty() ? nullptr : data.data(), 0);
+    throw_if_out_of_memory(byte_count_, label);
+}
+
+int byte_count(Format format) {
+    return info(format).bytes;
+}
+
+Texture Texture::image(Format format, int width, int height, std::string_view label) {
+    unsigned id = 0;
+    glCreateTextures(GL_TEXTURE_2D, 1, &id);
+    Texture texture;
+    texture.handle_ = Handle<delete_texture>(id);
+    texture.format_ = format;
+    texture.size_[0] = width;
+    texture.size_[1] = height;
+    texture.size_[2] = 1;
+    set_label(GL_TEXTURE, id, label);
+    glTextureStorage2D(id, 1, info(format).internal, width, height);
+    throw_if_out_of_memory(texture.byte_count(), label);
+    glTextureParameteri(id, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glTextureParameteri(id, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    return texture;
+}
+
+Texture Texture::volume(Format format, int width, int height, int depth, Filter filter,
+                        std::string_view label) {
+    unsigned id = 0;
+    glCreateTextures(GL_TEXTURE_3D, 1, &id);
+    Texture texture;
+    texture.handle_ = Handle<delete_texture>(id);
+    texture.format_ = format;
+    texture.size_[0] = width;
+    texture.size_[1] = height;
+    texture.size_[2] = depth;
+    set_label(GL_TEXTURE, id, label);
+    glTextureStorage3D(id, 1, info(format).internal, width, height, depth);
+    throw_if_out_of_memory(texture.byte_count(), label);
+    const GLint mode = filter == Filter::Linear ? GL_LINEAR : GL_NEAREST;
+    glTextureParameteri(id, GL_TEXTURE_MIN_FILTER, mode);
+    glTextureParameteri(id, GL_TEXTURE_MAG_FILTER, mode);
+    for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
+        glTextureParameteri(id, axis, GL_CLAMP_TO_EDGE);
+    return texture;
+}
+
+std::int64_t Texture::byte_count() const {
+    if (is_empty()) return 0;
+    return std::int64_t{size_[0]} * size_[1] * size_[2] * info(format_).bytes;
+}
+
+void Texture::upload_box(int x, int y, int z, int width, int height, int depth,
+                         std::span<const float> values) {
+    assert(values.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
+                                static_cast<std::size_t>(depth) *
+                                static_cast<std::size_t>(info(format_).floats));
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+    glTextureSubImage3D(id(), 0, x, y, z, width, height, depth, info(format_).channels, GL_FLOAT,
+                        values.data());
+}
+
+void Texture::read_rgba(std::span<float> out) const {
+    assert(out.size() ==
+           static_cast<std::size_t>(width()) * static_cast<std::size_t>(height()) * 4);
+    glPixelStorei(GL_PACK_ALIGNMENT, 4);
+    glGetTextureImage(id(), 0, GL_RGBA, GL_FLOAT, static_cast<GLsizei>(out.size_bytes()),
+                      out.data());
+}
+
+void Texture::bind_to_unit(unsigned unit) const {
+    glBindTextureUnit(unit, id());
+}
+
+Framebuffer::Framebuffer(std::initializer_list<const Texture*> colours, std::string_view label) {
+    unsigned id = 0;
+    glCreateFramebuffers(1, &id);
+    handle_ = Handle<delete_framebuffer>(id);
+    set_label(GL_FRAMEBUFFER, id, label);
+    GLenum attachments[8];
+    GLsizei count = 0;
+    for (const Texture* colour : colours) {
+        attachments[count] = GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(count);
+        glNamedFramebufferTexture(id, attachments[count], colour->id(), 0);
+        width_ = colour->width();
+        height_ = colour->height();
+        ++count;
+    }
+    glNamedFramebufferDrawBuffers(id, count, attachments);
+    if (const GLenum status = glCheckNamedFramebufferStatus(id, GL_DRAW_FRAMEBUFFER);
+        status != GL_FRAMEBUFFER_COMPLETE)
+        throw GlError(fmt::format("framebuffer '{}' of {}x{} is incomplete (0x{:x})", label, width_,
+                                  height_, status));
+}
+
+void Framebuffer::bind() const {
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, id());
+    glViewport(0, 0, width_, height_);
+}
+
+VertexArray VertexArray::without_attributes(std::string_view label) {
+    unsigned id = 0;
+    glCreateVertexArrays(1, &id);
+    VertexArray array;
+    array.handle_ = Handle<delete_vertex_array>(id);
+    set_label(GL_VERTEX_ARRAY, id, label);
+    return array;
+}
+
+VertexArray VertexArray::instanced_ivec4(const Buffer& records, std::string_view label) {
+    VertexArray array = without_attributes(label);
+    const unsigned id = array.handle_.id();
+    glVertexArrayVertexBuffer(id, 0, records.id(), 0, 4 * sizeof(GLint));
+    glVertexArrayAttribIFormat(id, 0, 4, GL_INT, 0);
+    glVertexArrayAttribBinding(id, 0, 0);
+    glVertexArrayBindingDivisor(id, 0, 1);
+    glEnableVertexArrayAttrib(id, 0);
+    return array;
+}
+
+void VertexArray::bind() const {
+    glBindVertexArray(handle_.id());
+}
+
+DebugGroup::DebugGroup(std::string_view label) {
+    glPushDebugGroup(GL_DEBUG_SOURCE_APPLICATION, 0, static_cast<GLsizei>(label.size()),
+                     label.data());
+}
+DebugGroup::~DebugGroup() {
+    glPopDebugGroup();
+}
+
+int max_volume_extent() {
+    GLint extent = 0;
+    glGetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &extent);
+    return extent;
+}
+
+int max_image_extent() {
+    GLint texture = 0;
+    GLint viewport[2] = {0, 0};
+    glGetIntegerv(GL_MAX_TEXTURE_SIZE, &texture);
+    glGetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
+    return std::min({texture, viewport[0], viewport[1]});
+}
+
+} // namespace isocast::gl

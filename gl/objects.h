@@ -1,0 +1,138 @@
+// OpenGL objects as move-only values.
+// SPDX-License-Identifier: MPL-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <span>
+#include <string_view>
+#include <utility>
+
+namespace isocast::gl {
+
+void delete_buffer(unsigned id) noexcept;
+void delete_texture(unsigned id) noexcept;
+void delete_framebuffer(unsigned id) noexcept;
+void delete_vertex_array(unsigned id) noexcept;
+void delete_program(unsigned id) noexcept;
+void delete_query(unsigned id) noexcept;
+
+/// The name of one GL object, deleted with its owner. Default-constructed it is empty: id() == 0.
+template<void (*Delete)(unsigned) noexcept>
+class Handle {
+public:
+    Handle() = default;
+    explicit Handle(unsigned id) : id_(id) {}
+    Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, 0)) {}
+    Handle& operator=(Handle&& other) noexcept {
+        std::swap(id_, other.id_);
+        return *this;
+    }
+    ~Handle() {
+        if (id_ != 0) Delete(id_);
+    }
+    unsigned id() const { return id_; }
+    bool is_empty() const { return id_ == 0; }
+
+private:
+    unsigned id_ = 0;
+};
+
+/// An immutable buffer.
+class Buffer {
+public:
+    Buffer() = default;
+    Buffer(std::span<const std::byte> data, std::string_view label);
+    unsigned id() const { return handle_.id(); }
+    std::int64_t byte_count() const { return byte_count_; }
+
+private:
+    Handle<delete_buffer> handle_;
+    std::int64_t byte_count_ = 0;
+};
+
+/// Formats that we use; all are renderable.
+enum class Format { R32f, Rgba32f, Rgba16f, Rgba8 };
+
+/// Bytes of one texel.
+int byte_count(Format format);
+
+enum class Filter { Nearest, Linear };
+
+/// An immutable 2D or 3D texture with one level, clamped to its edge.
+class Texture {
+public:
+    Texture() = default;
+    static Texture image(Format format, int width, int height, std::string_view label);
+    static Texture volume(Format format, int width, int height, int depth, Filter filter,
+                          std::string_view label);
+
+    unsigned id() const { return handle_.id(); }
+    bool is_empty() const { return handle_.is_empty(); }
+    int width() const { return size_[0]; }
+    int height() const { return size_[1]; }
+    int depth() const { return size_[2]; }
+    std::int64_t byte_count() const;
+
+    /// Replaces a box of a 3D texture; values of 1 (R32f) or 4 (Rgba32f) floats a texel, x fastest.
+    void upload_box(int x, int y, int z, int width, int height, int depth,
+                    std::span<const float> values);
+
+    /// All texels of a 2D texture as floats, 4 a texel, the bottom row first.
+    void read_rgba(std::span<float> out) const;
+
+    void bind_to_unit(unsigned unit) const;
+
+private:
+    Handle<delete_texture> handle_;
+    Format format_ = Format::Rgba8;
+    int size_[3] = {0, 0, 0};
+};
+
+/// A framebuffer with colour attachments 0, 1, …
+class Framebuffer {
+public:
+    Framebuffer() = default;
+    /// throws  GlError if the driver finds it incomplete
+    Framebuffer(std::initializer_list<const Texture*> colours, std::string_view label);
+    unsigned id() const { return handle_.id(); }
+
+    /// Draws go here from now on, over the whole of it.
+    void bind() const;
+
+private:
+    Handle<delete_framebuffer> handle_;
+    int width_ = 0;
+    int height_ = 0;
+};
+
+/// Vertex input: none, or one buffer of records.
+class VertexArray {
+public:
+    VertexArray() = default;
+    /// No attributes: the vertex shader makes its vertices from gl_VertexID.
+    static VertexArray without_attributes(std::string_view label);
+    /// Attribute 0: an ivec4 for each instance, tightly packed.
+    static VertexArray instanced_ivec4(const Buffer& records, std::string_view label);
+    void bind() const;
+
+private:
+    Handle<delete_vertex_array> handle_;
+};
+
+/// Names the GL calls in its scope for debuggers.
+class DebugGroup {
+public:
+    explicit DebugGroup(std::string_view label);
+    ~DebugGroup();
+    DebugGroup(const DebugGroup&) = delete;
+    DebugGroup& operator=(const DebugGroup&) = delete;
+};
+
+/// Greatest extent of a 3D texture along each axis.
+int max_volume_extent();
+/// Greatest extent of a 2D texture and of a viewport.
+int max_image_extent();
+
+} // namespace isocast::gl

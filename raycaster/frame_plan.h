@@ -1,0 +1,55 @@
+// Which passes run: one backward walk from the requested images decides.
+// SPDX-License-Identifier: MPL-2.0
+#pragma once
+
+#include <bitset>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace isocast {
+
+/// The images of a frame. A changed image gets a new name, so each has one writer.
+enum class FrameImage {
+    Bounds,   // where each ray enters and leaves the active blocks
+    Hit,      // first hit: eye-relative position [world], object
+    Gradient, // gradient of the field at the hit [1/world * world], world axes
+    Beauty,   // shaded colour, linear
+};
+inline constexpr int frame_image_count = 4;
+
+std::string_view name_of(FrameImage image);
+
+/// A set of frame images.
+class ImageSet {
+public:
+    ImageSet() = default;
+    ImageSet(std::initializer_list<FrameImage> images) {
+        for (const FrameImage image : images) insert(image);
+    }
+    void insert(FrameImage image) { bits_.set(static_cast<std::size_t>(image)); }
+    bool contains(FrameImage image) const { return bits_.test(static_cast<std::size_t>(image)); }
+    void insert(const ImageSet& other) { bits_ |= other.bits_; }
+
+private:
+    std::bitset<frame_image_count> bits_;
+};
+
+/// One step of the frame: the images it reads, the one image it writes, and the GL work.
+struct Pass {
+    std::string_view name;
+    ImageSet reads;
+    FrameImage writes;
+    std::function<void()> run;
+};
+
+/// The passes that `wanted` depends on, in order.
+/// throws  std::logic_error, naming the pass, if one reads what no pass before it writes, or if a
+///         wanted image has no writer
+std::vector<Pass> live_passes(const std::vector<Pass>& declared, const ImageSet& wanted);
+
+/// The live passes that read what `pass` writes, or "output" if it is wanted itself; for reports.
+std::string asked_by(const Pass& pass, const std::vector<Pass>& live, const ImageSet& wanted);
+
+} // namespace isocast

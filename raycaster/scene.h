@@ -1,0 +1,44 @@
+// What is drawn: a field, a light, a material, and how finely rays search.
+// SPDX-License-Identifier: MPL-2.0
+#pragma once
+
+#include "raycaster/camera.h"
+#include "volume/field_source.h"
+
+#include <memory>
+
+namespace isocast {
+
+/// Blinn-Phong coefficients; colours are linear RGB.
+struct Material {
+    Vec3d colour = Vec3d(0.72, 0.60, 0.42);
+    double ambient = 0.12;
+    double diffuse = 0.88;
+    double specular = 0.25;
+    double shininess = 40;
+};
+
+/// A light infinitely far away that moves with the camera.
+struct Light {
+    /// Towards the light, in view space: x right, y up, z to the viewer. Any length.
+    Vec3d direction_view = Vec3d(-0.4, 0.6, 1.0);
+    Vec3d colour = Vec3d(1, 1, 1);
+};
+
+/// How rays search (thesis section 6.3.3).
+struct Quality {
+    double rate = 1;          // base samples per voxel, r0
+    int rate_factor = 8;      // near the surface r1 = rate_factor * r0
+    int refinement_steps = 4; // section 6.3.4
+};
+
+struct Scene {
+    std::shared_ptr<const FieldSource> field;
+    double iso_world = 0;
+    Material material;
+    Light light;
+    Vec3d background = Vec3d(0.93, 0.94, 0.95);
+    Quality quality;
+};
+
+} // namespace isocast

@@ -1,0 +1,69 @@
+// Which passes live, with no GL at all.
+// SPDX-License-Identifier: MPL-2.0
+#include "raycaster/frame_plan.h"
+
+#include "raycaster/passes.h"
+
+#include <gtest/gtest.h>
+
+namespace isocast {
+namespace {
+
+/// The renderer's own passes. They are never run, so nothing here touches the GL.
+struct Declared {
+    gl::ShaderLibrary shaders{{std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders"}};
+    gl::VertexArray no_vertices;
+    Scene scene;
+    FieldOnGpu field;
+    Camera camera;
+    FrameTargets targets;
+    FrameContext frame{shaders, no_vertices, scene, field, camera, 1, 1, targets};
+    std::vector<Pass> passes = declare_passes(frame);
+};
+
+std::vector<std::string> names(const std::vector<Pass>& passes) {
+    std::vector<std::string> out;
+    for (const Pass& pass : passes) out.emplace_back(pass.name);
+    return out;
+}
+
+using Names = std::vector<std::string>;
+
+TEST(LivePasses, RunOnlyWhatTheOutputsNeed) {
+    const Declared declared;
+    EXPECT_EQ(names(live_passes(declared.passes, {})), Names{});
+    EXPECT_EQ(names(live_passes(declared.passes, {FrameImage::Hit})), (Names{"bounds", "raycast"}));
+    EXPECT_EQ(names(live_passes(declared.passes, {FrameImage::Gradient})),
+              (Names{"bounds", "raycast", "gradient"}));
+    EXPECT_EQ(names(live_passes(declared.passes, {FrameImage::Beauty})),
+              (Names{"bounds", "raycast", "gradient", "shading"}));
+}
+
+TEST(LivePasses, NameThePassThatReadsWhatNobodyWrote) {
+    const Declared declared;
+    std::vector<Pass> passes = declared.passes;
+    passes.erase(passes.begin()); // no bounds
+    try {
+        live_passes(passes, {FrameImage::Beauty});
+        FAIL() << "no error";
+    } catch (const std::logic_error& error) {
+        EXPECT_STREQ(error.what(), "pass 'raycast' reads 'bounds', which no pass before it writes");
+    }
+    std::vector<Pass> wrong_order = declared.passes;
+    std::swap(wrong_order[0], wrong_order[1]);
+    EXPECT_THROW(live_passes(wrong_order, {FrameImage::Hit}), std::logic_error);
+    EXPECT_THROW(live_passes({}, {FrameImage::Hit}), std::logic_error);
+}
+
+TEST(LivePasses, SayWhoAskedForEach) {
+    const Declared declared;
+    const std::vector<Pass> live =
+        live_passes(declared.passes, {FrameImage::Beauty, FrameImage::Hit});
+    EXPECT_EQ(asked_by(live[0], live, {FrameImage::Beauty, FrameImage::Hit}), "raycast");
+    EXPECT_EQ(asked_by(live[1], live, {FrameImage::Beauty, FrameImage::Hit}),
+              "output, gradient, shading");
+    EXPECT_EQ(asked_by(live[3], live, {FrameImage::Beauty, FrameImage::Hit}), "output");
+}
+
+} // namespace
+} // namespace isocast

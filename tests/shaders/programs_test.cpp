@@ -1,0 +1,46 @@
+// Every shader compiles, and every shader file is used.
+// SPDX-License-Identifier: MPL-2.0
+#include "gl/context.h"
+#include "raycaster/passes.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace isocast {
+namespace {
+
+const std::filesystem::path shader_folder = std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders";
+
+class Shaders : public testing::TestWithParam<gl::Backend> {};
+
+TEST_P(Shaders, AllCompile) {
+    const auto context = gl::make_context({.backend = GetParam()});
+    gl::ShaderLibrary shaders({shader_folder});
+    for (const gl::ProgramKey& key : all_programs()) EXPECT_NO_THROW(shaders.program(key));
+    EXPECT_EQ(shaders.compiled_program_count(), int(all_programs().size()));
+    EXPECT_GT(shaders.compiled_program_count(), 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Backends, Shaders, testing::Values(gl::Backend::Egl, gl::Backend::Osmesa),
+                         [](const auto& test) {
+                             return test.param == gl::Backend::Egl ? "Egl" : "Osmesa";
+                         });
+
+TEST(ShaderFiles, EveryOneIsPartOfAProgram) {
+    const gl::ShaderLibrary shaders({shader_folder});
+    std::set<std::string> used;
+    for (const gl::ProgramKey& key : all_programs())
+        for (const std::string& entry_point : key.entry_points) {
+            const auto files = shaders.expand(entry_point, key.defines).files;
+            used.insert(files.begin(), files.end());
+        }
+    std::set<std::string> present;
+    for (const auto& file : std::filesystem::recursive_directory_iterator(shader_folder))
+        if (file.is_regular_file() && file.path().extension() != ".md")
+            present.insert(std::filesystem::relative(file.path(), shader_folder).string());
+    EXPECT_EQ(present, used);
+}
+
+} // namespace
+} // namespace isocast

@@ -1,0 +1,216 @@
+// A field that stores only the 8^3 blocks near its surface.
+// SPDX-License-Identifier: MPL-2.0
+#include "volume/sparse_field.h"
+
+#include "volume/assert.h"
+#include "volume/errors.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+namespace isocast {
+
+namespace {
+
+/// Sorts by z, y, x without a second copy of the samples.
+void sort_blocks(std::vector<FieldBlock>& blocks) {
+    const auto coordinate = [&](std::size_t i) -> const Index3& { return blocks[i].coordinate; };
+    if (std::ranges::is_sorted(blocks, zyx_less, &FieldBlock::coordinate)) return;
+    std::vector<std::size_t> from(blocks.size());
+    std::iota(from.begin(), from.end(), std::size_t{0});
+    tbb::parallel_sort(from.begin(), from.end(), [&](std::size_t a, std::size_t b) {
+        return zyx_less(coordinate(a), coordinate(b));
+    });
+    // Follow each cycle of the permutation once: place i takes the block at from[i].
+    for (std::size_t start = 0; start < from.size(); ++start) {
+        if (from[start] == start) continue;
+        const FieldBlock first = blocks[start];
+        std::size_t to = start;
+        while (from[to] != start) {
+            blocks[to] = blocks[from[to]];
+            to = std::exchange(from[to], to);
+        }
+        blocks[to] = first;
+        from[to] = to;
+    }
+}
+
+int ceil_div(std::int64_t a, std::int64_t b) {
+    return static_cast<int>(a >= 0 ? (a + b - 1) / b : -(-a / b));
+}
+
+} // namespace
+
+IndexBox blocks_over(const IndexBox& box) {
+    return {floor_div(box.lo, block_size),
+            (floor_div((box.hi.array() - 1).matrix(), block_size).array() + 1).matrix()};
+}
+
+SparseField::SparseField(GridSpace space, double background_world, Outside outside,
+                         std::vector<FieldBlock> blocks)
+    : space_(std::move(space)), background_world_(background_world), outside_(outside),
+      blocks_(std::move(blocks)) {
+    if (outside_ == Outside::SignedBackground && !(background_world_ > 0)) {
+        throw InputError(fmt::format("a signed distance field needs a background above 0, not {}",
+                                     background_world_));
+    }
+    sort_blocks(blocks_);
+    coordinates_.resize(blocks_.size());
+    ranges_.resize(blocks_.size());
+    tbb::parallel_for(std::size_t{0}, blocks_.size(), [&](std::size_t i) {
+        coordinates_[i] = blocks_[i].coordinate;
+        const auto [min, max] = std::ranges::minmax(blocks_[i].values);
+        ranges_[i] = {min, max};
+    });
+    const auto twice = std::ranges::adjacent_find(coordinates_);
+    if (twice != coordinates_.end()) {
+        throw InputError(fmt::format("the block ({}, {}, {}) occurs twice in a sparse field",
+                                     twice->x(), twice->y(), twice->z()));
+    }
+    for (const Index3& b : coordinates_) {
+        const Index3 lo = block_size * b;
+        extent_ = bounding_box(extent_, {lo, (lo.array() + block_size).matrix()});
+    }
+    // A point reads up to two samples away from its cell: beyond this border all are background.
+    if (outside_ == Outside::Background && !blocks_.empty()) extent_ = dilated(extent_, 2, 2);
+}
+
+std::optional<double> SparseField::half_width_world() const {
+    if (outside_ == Outside::SignedBackground) return background_world_;
+    return std::nullopt;
+}
+
+std::vector<IndexBox> SparseField::active_boxes() const {
+    std::vector<IndexBox> boxes;
+    for (const Index3& b : coordinates_) {
+        const Index3 lo = block_size * b;
+        const Index3 hi = (lo.array() + block_size).matrix();
+        if (!boxes.empty() && boxes.back().hi.x() == lo.x() && boxes.back().lo.y() == lo.y() &&
+            boxes.back().lo.z() == lo.z()) {
+            boxes.back().hi.x() = hi.x();
+        } else {
+            boxes.push_back({lo, hi});
+        }
+    }
+    return boxes;
+}
+
+float SparseField::value_beyond(std::size_t block) const {
+    const auto background = static_cast<float>(background_world_);
+    const bool inside = outside_ == Outside::SignedBackground && is_inside_beyond(blocks_[block]);
+    return inside ? -background : background;
+}
+
+template <class Stored, class Missing>
+void SparseField::visit_row(int x_lo, int x_hi, int y, int z, Stored stored,
+                            Missing missing) const {
+    const auto in_row = [&](std::size_t i) {
+        return coordinates_[i].y() == y && coordinates_[i].z() == z;
+    };
+    const auto at = std::ranges::lower_bound(coordinates_, Index3(x_lo, y, z), zyx_less);
+    auto i = static_cast<std::size_t>(at - coordinates_.begin());
+    float value = i > 0 && in_row(i - 1) ? value_beyond(i - 1)
+                                         : static_cast<float>(background_world_);
+    int x = x_lo;
+    for (; i < coordinates_.size() && in_row(i) && coordinates_[i].x() < x_hi; ++i) {
+        if (x < coordinates_[i].x()) missing(x, coordinates_[i].x(), value);
+        stored(i);
+        value = value_beyond(i);
+        x = coordinates_[i].x() + 1;
+    }
+    if (x < x_hi) missing(x, x_hi, value);
+}
+
+ValueRange SparseField::value_range(const IndexBox& box) const {
+    ValueRange range{std::numeric_limits<float>::infinity(),
+                     -std::numeric_limits<float>::infinity()};
+    const auto add = [&range](const ValueRange& other) {
+        range.min = std::min(range.min, other.min);
+        range.max = std::max(range.max, other.max);
+    };
+    const IndexBox over = blocks_over(box);
+    for (int z = over.lo.z(); z < over.hi.z(); ++z) {
+        for (int y = over.lo.y(); y < over.hi.y(); ++y) {
+            visit_row(
+                over.lo.x(), over.hi.x(), y, z, [&](std::size_t i) { add(ranges_[i]); },
+                [&](int, int, float value) { add({value, value}); });
+        }
+    }
+    return range;
+}
+
+void SparseField::copy_box(const IndexBox& box, int level, std::span<float> out) const {
+    ISOCAST_ASSERT(std::ssize(out) == box.sample_count(), "%td values for %td samples",
+                   std::ssize(out), static_cast<std::ptrdiff_t>(box.sample_count()));
+    if (box.is_empty()) return;
+    const int stride = 1 << level;
+    const Index3 n = box.size();
+    const IndexBox over = blocks_over(
+        {stride * box.lo, (stride * (box.hi.array() - 1) + 1).matrix()});
+    // The samples of the level, within the box, that lie in the blocks b_lo <= b < b_hi of an axis.
+    const auto samples_of = [&](int b_lo, int b_hi, int axis) {
+        return std::pair(
+            std::max(box.lo[axis], ceil_div(std::int64_t{b_lo} * block_size, stride)),
+            std::min(box.hi[axis], ceil_div(std::int64_t{b_hi} * block_size, stride)));
+    };
+    for (int bz = over.lo.z(); bz < over.hi.z(); ++bz) {
+        const auto [z_lo, z_hi] = samples_of(bz, bz + 1, 2);
+        if (z_lo >= z_hi) continue;
+        for (int by = over.lo.y(); by < over.hi.y(); ++by) {
+            const auto [y_lo, y_hi] = samples_of(by, by + 1, 1);
+            if (y_lo >= y_hi) continue;
+            // Calls write(to, x, y, z) for each row x … of the samples in blocks bx_lo … bx_hi - 1.
+            const auto for_each_row = [&, y_lo = y_lo, y_hi = y_hi, z_lo = z_lo,
+                                       z_hi = z_hi](int bx_lo, int bx_hi, auto write) {
+                const auto [x_lo, x_hi] = samples_of(bx_lo, bx_hi, 0);
+                if (x_lo >= x_hi) return;
+                for (int z = z_lo; z < z_hi; ++z) {
+                    for (int y = y_lo; y < y_hi; ++y) {
+                        const std::int64_t row =
+                            (std::int64_t{z - box.lo.z()} * n.y() + y - box.lo.y()) * n.x();
+                        write(out.subspan(static_cast<std::size_t>(row + x_lo - box.lo.x()),
+                                          static_cast<std::size_t>(x_hi - x_lo)),
+                              x_lo * stride, y * stride, z * stride);
+                    }
+                }
+            };
+            visit_row(
+                over.lo.x(), over.hi.x(), by, bz,
+                [&](std::size_t i) {
+                    const Index3 lo = block_size * coordinates_[i];
+                    for_each_row(coordinates_[i].x(), coordinates_[i].x() + 1,
+                                 [&](std::span<float> to, int x, int y, int z) {
+                                     const float* from =
+                                         &blocks_[i].values[static_cast<std::size_t>(
+                                             x - lo.x() +
+                                             block_size *
+                                                 (y - lo.y() + block_size * (z - lo.z())))];
+                                     for (float& value : to) {
+                                         value = *from;
+                                         from += stride;
+                                     }
+                                 });
+                },
+                [&](int bx_lo, int bx_hi, float value) {
+                    for_each_row(bx_lo, bx_hi, [value](std::span<float> to, int, int, int) {
+                        std::ranges::fill(to, value);
+                    });
+                });
+        }
+    }
+}
+
+std::int64_t SparseField::active_voxel_count() const {
+    return std::accumulate(blocks_.begin(), blocks_.end(), std::int64_t{0},
+                           [](std::int64_t sum, const FieldBlock& block) {
+                               return sum + static_cast<std::int64_t>(block.active.count());
+                           });
+}
+
+} // namespace isocast

@@ -1,0 +1,19 @@
+// Reading OpenVDB files; writing them is in files.h.
+// SPDX-License-Identifier: MPL-2.0
+#pragma once
+
+#include "volume/files.h"
+
+namespace isocast {
+
+/// read_field for .vdb files.
+///
+/// Level sets become signed fields, others keep their background as it is. Tiles that hold anything
+/// but the value that SparseField has there become constant blocks.
+/// throws  InputError as read_field, ResourceError if tiles would become more than 2^20 blocks
+SparseField read_vdb(const std::filesystem::path& path, const std::string& grid_name);
+
+/// describe_field_file for .vdb files.
+std::vector<GridDescription> describe_vdb(const std::filesystem::path& path);
+
+} // namespace isocast

@@ -11,9 +11,10 @@
 namespace isocast {
 
 enum class SignMethod {
-    Auto,     // pseudonormals if the mesh is closed and oriented, winding number otherwise
-    Normal,   // angle-weighted pseudonormal of the closest feature (Bærentzen & Aanæs 2005)
-    Winding,  // generalised winding number above 1/2 (Jacobson 2013, Barill 2018)
+    Auto,    // pseudonormals if the mesh is closed and oriented and their signs fit together,
+             // winding number otherwise
+    Normal,  // angle-weighted pseudonormal of the closest feature (Bærentzen & Aanæs 2005)
+    Winding, // generalised winding number above 1/2 (Jacobson 2013, Barill 2018)
 };
 
 /// throws  InputError that lists the known names: auto, normal, winding
@@ -21,8 +22,8 @@ SignMethod sign_method_from_name(std::string_view name);
 std::string_view name_of(SignMethod method);
 
 struct ConvertOptions {
-    double voxel_size_world = 0;    // > 0
-    double half_width_voxels = 3;   // >= 1
+    double voxel_size_world = 0;  // > 0
+    double half_width_voxels = 3; // >= 1
     SignMethod sign = SignMethod::Auto;
 };
 

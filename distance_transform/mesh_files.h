@@ -17,8 +17,12 @@ std::string mesh_file_extensions();
 ///         no triangles, a coordinate that is not finite, an index out of range, …
 Mesh read_mesh(const std::filesystem::path& path);
 
-/// Writes a mesh; positions with 17 digits (doubles in binary PLY), so that reading gives it back.
-/// Format by extension: .obj, .ply, .off, .stl. The file appears whole or not at all.
+/// Writes a mesh; positions with as many digits as give the double back (doubles in binary PLY).
+///
+/// Format by extension: .obj, .ply, .off, and .stl, which is written as text since binary STL holds
+/// float32, and which gives each triangle its own three vertices back. The file appears whole or
+/// not at all.
+/// throws  InputError for an unknown extension or folder, ResourceError if writing fails
 void write_mesh(const Mesh& mesh, const std::filesystem::path& path);
 
 } // namespace isocast

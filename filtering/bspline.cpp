@@ -16,6 +16,8 @@ std::array<double, 4> bspline_weights_d1(double a) {
     return {-b * b / 2, (3 * a - 4) * a / 2, (4 - 3 * b) * b / 2, a * a / 2};
 }
 
-std::array<double, 4> bspline_weights_d2(double a) { return {1 - a, 3 * a - 2, 1 - 3 * a, a}; }
+std::array<double, 4> bspline_weights_d2(double a) {
+    return {1 - a, 3 * a - 2, 1 - 3 * a, a};
+}
 
 } // namespace isocast

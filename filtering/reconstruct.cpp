@@ -29,8 +29,7 @@ double convolve(const std::array<float, 64>& samples, const std::array<double, 4
     for (std::size_t k = 0; k < 4; ++k) {
         for (std::size_t j = 0; j < 4; ++j) {
             const float* row = &samples[4 * (j + 4 * k)];
-            const double along_x =
-                x[0] * row[0] + x[1] * row[1] + x[2] * row[2] + x[3] * row[3];
+            const double along_x = x[0] * row[0] + x[1] * row[1] + x[2] * row[2] + x[3] * row[3];
             sum += z[k] * y[j] * along_x;
         }
     }

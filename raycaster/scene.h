@@ -12,8 +12,8 @@ namespace isocast {
 /// Blinn-Phong coefficients; colours are linear RGB.
 struct Material {
     Vec3d colour = Vec3d(0.72, 0.60, 0.42);
-    double ambient = 0.12;
-    double diffuse = 0.88;
+    double ambient = 0.18;
+    double diffuse = 0.82;
     double specular = 0.25;
     double shininess = 40;
 };
@@ -21,7 +21,7 @@ struct Material {
 /// A light infinitely far away that moves with the camera.
 struct Light {
     /// Towards the light, in view space: x right, y up, z to the viewer. Any length.
-    Vec3d direction_view = Vec3d(-0.4, 0.6, 1.0);
+    Vec3d direction_view = Vec3d(-0.35, 0.5, 1.0);
     Vec3d colour = Vec3d(1, 1, 1);
 };
 

@@ -128,7 +128,6 @@ public:
     int finest_level(const IndexBox&) const override { return 0; }
 
     ValueRange value_range(const IndexBox& box) const override {
-        using Rows = tbb::blocked_range<std::int64_t>;
         const Index3 n = box.size();
         const ValueRange none{std::numeric_limits<float>::infinity(),
                               -std::numeric_limits<float>::infinity()};
@@ -154,17 +153,22 @@ public:
         ISOCAST_ASSERT(std::ssize(out) == box.sample_count(), "%td values for %td samples",
                        std::ssize(out), static_cast<std::ptrdiff_t>(box.sample_count()));
         const Index3 n = box.size();
-        tbb::parallel_for(std::int64_t{0}, std::int64_t{n.y()} * n.z(), [&](std::int64_t row) {
-            const Index3 at = box.lo + Index3(0, static_cast<int>(row % n.y()),
-                                              static_cast<int>(row / n.y()));
-            for (int x = 0; x < n.x(); ++x) {
-                out[static_cast<std::size_t>(row * n.x() + x)] =
-                    value_at((1 << level) * (at + Index3(x, 0, 0)));
+        // 64 rows: a filter's support is read at once, without the cost of tasks.
+        tbb::parallel_for(Rows(0, std::int64_t{n.y()} * n.z(), 64), [&](const Rows& rows) {
+            for (std::int64_t row = rows.begin(); row < rows.end(); ++row) {
+                const Index3 at = box.lo + Index3(0, static_cast<int>(row % n.y()),
+                                                  static_cast<int>(row / n.y()));
+                for (int x = 0; x < n.x(); ++x) {
+                    out[static_cast<std::size_t>(row * n.x() + x)] =
+                        value_at((1 << level) * (at + Index3(x, 0, 0)));
+                }
             }
         });
     }
 
 private:
+    using Rows = tbb::blocked_range<std::int64_t>;
+
     float value_at(const Index3& index) const {
         if (half_width_world_ && !extent_.contains(index)) {
             return static_cast<float>(*half_width_world_);
@@ -233,9 +237,8 @@ AnalyticField cylinder_field(const Vec3d& point_world, const Vec3d& axis, double
         jet.value = rho - radius_world;
         if (rho == 0) return jet;
         jet.gradient = radial / rho;
-        jet.hessian = (Mat3d::Identity() - a * a.transpose() -
-                       jet.gradient * jet.gradient.transpose()) /
-                      rho;
+        jet.hessian =
+            (Mat3d::Identity() - a * a.transpose() - jet.gradient * jet.gradient.transpose()) / rho;
         return jet;
     };
     return {"cylinder", jet_at, point_world.cwiseAbs().maxCoeff() + 2 * radius_world};

@@ -151,9 +151,9 @@ void find_active(const FieldSource& field, float iso, Group& group) {
                     continue;
                 }
                 group.blocks |= bit_of(x, y, z);
-                const IndexBox cells = cells_on_both_sides(
-                    samples, at.x() + filter_support_below, at.y() + filter_support_below,
-                    at.z() + filter_support_below, iso);
+                const IndexBox cells = cells_on_both_sides(samples, at.x() + filter_support_below,
+                                                           at.y() + filter_support_below,
+                                                           at.z() + filter_support_below, iso);
                 if (cells.is_empty()) continue;
                 group.surface_box =
                     bounding_box(group.surface_box, {cells.lo + first, cells.hi + first});
@@ -181,8 +181,7 @@ ActiveBlocks find_active_blocks(const FieldSource& field, float iso, const Progr
             for (int y = 0; y < group_blocks; ++y) {
                 for (int x = 0; x < group_blocks; ++x) {
                     if ((group.blocks & bit_of(x, y, z)) == 0) continue;
-                    active.coordinates.push_back(group_blocks * group.coordinate +
-                                                 Index3(x, y, z));
+                    active.coordinates.push_back(group_blocks * group.coordinate + Index3(x, y, z));
                 }
             }
         }

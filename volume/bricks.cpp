@@ -13,14 +13,12 @@ std::vector<Index3> bricks_of(const ActiveBlocks& blocks) {
         if (bricks.empty() || bricks.back() != brick) bricks.push_back(brick);
     }
     std::ranges::sort(bricks, zyx_less);
-    const auto repeats = std::ranges::unique(bricks);
-    bricks.erase(repeats.begin(), repeats.end());
+    bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
     return bricks;
 }
 
 void cut_brick(const FieldSource& field, const Index3& brick, std::span<float> out) {
-    const IndexBox served{brick_size * brick,
-                          (brick_size * (brick.array() + 1)).matrix()};
+    const IndexBox served{brick_size * brick, (brick_size * (brick.array() + 1)).matrix()};
     field.copy_box(dilated(served, filter_support_below, filter_support_above), 0, out);
 }
 

@@ -27,8 +27,8 @@ DenseField::DenseField(GridSpace space, IndexBox extent, std::vector<float> valu
 ValueRange DenseField::value_range(const IndexBox& box) const {
     const Index3 last = (extent_.hi.array() - 1).matrix();
     const Index3 lo = box.lo.cwiseMax(extent_.lo).cwiseMin(last) - extent_.lo;
-    const Index3 hi = (box.hi.array() - 1).matrix().cwiseMax(extent_.lo).cwiseMin(last) -
-                      extent_.lo;
+    const Index3 hi =
+        (box.hi.array() - 1).matrix().cwiseMax(extent_.lo).cwiseMin(last) - extent_.lo;
     const Index3 n = extent_.size();
     ValueRange range{std::numeric_limits<float>::infinity(),
                      -std::numeric_limits<float>::infinity()};

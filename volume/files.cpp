@@ -16,8 +16,8 @@ namespace {
 
 void require_field_file(const std::filesystem::path& path) {
     if (is_field_file(path)) return;
-    throw InputError(fmt::format("{}: not a field file by its extension (known: {})",
-                                 path.string(), field_file_extensions()));
+    throw InputError(fmt::format("{}: not a field file by its extension (known: {})", path.string(),
+                                 field_file_extensions()));
 }
 
 } // namespace
@@ -29,7 +29,9 @@ bool is_field_file(const std::filesystem::path& path) {
     return extension == ".vdb";
 }
 
-std::string field_file_extensions() { return ".vdb"; }
+std::string field_file_extensions() {
+    return ".vdb";
+}
 
 std::unique_ptr<FieldSource> read_field(const std::filesystem::path& path,
                                         const std::string& grid_name) {

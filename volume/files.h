@@ -15,8 +15,8 @@ namespace isocast {
 /// What a grid in a file says of itself, without its samples.
 struct GridDescription {
     std::string name;
-    std::string grid_class;  // "level set", "fog volume", "unknown"
-    std::string value_type;  // "float", "half", "double", "vec3s", …
+    std::string grid_class; // "level set", "fog volume", "unknown"
+    std::string value_type; // "float", "half", "double", "vec3s", …
     Eigen::Affine3d world_from_index = Eigen::Affine3d::Identity();
     double background_world = 0;
     std::int64_t active_voxels = 0;
@@ -32,7 +32,7 @@ std::string field_file_extensions();
 /// Reads a scalar field.
 ///
 /// path       a .vdb file
-/// grid_name  the grid to take; empty takes the first float grid
+/// grid_name  the grid to take; empty takes the first float or double grid, by name
 /// throws     InputError that names the file, the cause and, where a grid is missing or of another
 ///            type, the grids that there are
 std::unique_ptr<FieldSource> read_field(const std::filesystem::path& path,

@@ -107,7 +107,7 @@ float SparseField::value_beyond(std::size_t block) const {
     return inside ? -background : background;
 }
 
-template <class Stored, class Missing>
+template<class Stored, class Missing>
 void SparseField::visit_row(int x_lo, int x_hi, int y, int z, Stored stored,
                             Missing missing) const {
     const auto in_row = [&](std::size_t i) {
@@ -115,8 +115,8 @@ void SparseField::visit_row(int x_lo, int x_hi, int y, int z, Stored stored,
     };
     const auto at = std::ranges::lower_bound(coordinates_, Index3(x_lo, y, z), zyx_less);
     auto i = static_cast<std::size_t>(at - coordinates_.begin());
-    float value = i > 0 && in_row(i - 1) ? value_beyond(i - 1)
-                                         : static_cast<float>(background_world_);
+    float value =
+        i > 0 && in_row(i - 1) ? value_beyond(i - 1) : static_cast<float>(background_world_);
     int x = x_lo;
     for (; i < coordinates_.size() && in_row(i) && coordinates_[i].x() < x_hi; ++i) {
         if (x < coordinates_[i].x()) missing(x, coordinates_[i].x(), value);
@@ -139,7 +139,9 @@ ValueRange SparseField::value_range(const IndexBox& box) const {
         for (int y = over.lo.y(); y < over.hi.y(); ++y) {
             visit_row(
                 over.lo.x(), over.hi.x(), y, z, [&](std::size_t i) { add(ranges_[i]); },
-                [&](int, int, float value) { add({value, value}); });
+                [&](int, int, float value) {
+                    add({value, value});
+                });
         }
     }
     return range;
@@ -151,13 +153,12 @@ void SparseField::copy_box(const IndexBox& box, int level, std::span<float> out)
     if (box.is_empty()) return;
     const int stride = 1 << level;
     const Index3 n = box.size();
-    const IndexBox over = blocks_over(
-        {stride * box.lo, (stride * (box.hi.array() - 1) + 1).matrix()});
+    const IndexBox over =
+        blocks_over({stride * box.lo, (stride * (box.hi.array() - 1) + 1).matrix()});
     // The samples of the level, within the box, that lie in the blocks b_lo <= b < b_hi of an axis.
     const auto samples_of = [&](int b_lo, int b_hi, int axis) {
-        return std::pair(
-            std::max(box.lo[axis], ceil_div(std::int64_t{b_lo} * block_size, stride)),
-            std::min(box.hi[axis], ceil_div(std::int64_t{b_hi} * block_size, stride)));
+        return std::pair(std::max(box.lo[axis], ceil_div(std::int64_t{b_lo} * block_size, stride)),
+                         std::min(box.hi[axis], ceil_div(std::int64_t{b_hi} * block_size, stride)));
     };
     for (int bz = over.lo.z(); bz < over.hi.z(); ++bz) {
         const auto [z_lo, z_hi] = samples_of(bz, bz + 1, 2);
@@ -184,18 +185,17 @@ void SparseField::copy_box(const IndexBox& box, int level, std::span<float> out)
                 over.lo.x(), over.hi.x(), by, bz,
                 [&](std::size_t i) {
                     const Index3 lo = block_size * coordinates_[i];
-                    for_each_row(coordinates_[i].x(), coordinates_[i].x() + 1,
-                                 [&](std::span<float> to, int x, int y, int z) {
-                                     const float* from =
-                                         &blocks_[i].values[static_cast<std::size_t>(
-                                             x - lo.x() +
-                                             block_size *
-                                                 (y - lo.y() + block_size * (z - lo.z())))];
-                                     for (float& value : to) {
-                                         value = *from;
-                                         from += stride;
-                                     }
-                                 });
+                    for_each_row(
+                        coordinates_[i].x(), coordinates_[i].x() + 1,
+                        [&](std::span<float> to, int x, int y, int z) {
+                            const float* from = &blocks_[i].values[static_cast<std::size_t>(
+                                x - lo.x() +
+                                block_size * (y - lo.y() + block_size * (z - lo.z())))];
+                            for (float& value : to) {
+                                value = *from;
+                                from += stride;
+                            }
+                        });
                 },
                 [&](int bx_lo, int bx_hi, float value) {
                     for_each_row(bx_lo, bx_hi, [value](std::span<float> to, int, int, int) {

@@ -41,7 +41,9 @@ enum class Outside {
 /// Reads the sample (7, 0, 0). Any sample of that face would do: were two of them of opposite sign,
 /// two of their neighbours in the missing block would be too, although the distance there is at
 /// least one voxel and changes by no more than one from a sample to the next.
-inline bool is_inside_beyond(const FieldBlock& block) { return block.values[block_size - 1] < 0; }
+inline bool is_inside_beyond(const FieldBlock& block) {
+    return block.values[block_size - 1] < 0;
+}
 
 /// The blocks that hold the samples of `box` [block coordinates].
 IndexBox blocks_over(const IndexBox& box);
@@ -75,7 +77,7 @@ public:
 private:
     /// Visits the blocks x_lo <= x < x_hi of the row (y, z), in order: stored(number of the block)
     /// or missing(x_lo, x_hi, value), all in block coordinates.
-    template <class Stored, class Missing>
+    template<class Stored, class Missing>
     void visit_row(int x_lo, int x_hi, int y, int z, Stored stored, Missing missing) const;
     /// Value of the missing blocks at higher x of a stored one.
     float value_beyond(std::size_t block) const;

@@ -25,8 +25,7 @@ std::vector<Index3> candidate_blocks(const FieldSource& field) {
         }
     }
     std::ranges::sort(candidates, zyx_less);
-    const auto repeats = std::ranges::unique(candidates);
-    candidates.erase(repeats.begin(), repeats.end());
+    candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
     return candidates;
 }
 
@@ -83,7 +82,8 @@ SparseField to_sparse(const FieldSource& field, const Progress& progress) {
     // Rows along x: within one, the sign of what is left out follows from what is kept before it.
     std::vector<std::size_t> row_begin;
     for (std::size_t i = 0; i < candidates.size(); ++i) {
-        if (i == 0 || candidates[i].tail<2>() != candidates[i - 1].tail<2>()) row_begin.push_back(i);
+        if (i == 0 || candidates[i].tail<2>() != candidates[i - 1].tail<2>())
+            row_begin.push_back(i);
     }
     const std::size_t row_count = row_begin.size();
     row_begin.push_back(candidates.size());
@@ -117,8 +117,8 @@ SparseField to_sparse(const FieldSource& field, const Progress& progress) {
         blocks.insert(blocks.end(), row.begin(), row.end());
         std::vector<FieldBlock>().swap(row);
     }
-    return {field.space(), background,
-            half_width ? Outside::SignedBackground : Outside::Background, std::move(blocks)};
+    return {field.space(), background, half_width ? Outside::SignedBackground : Outside::Background,
+            std::move(blocks)};
 }
 
 } // namespace isocast

@@ -42,8 +42,12 @@ struct VdbArchive : vdb::io::Archive {
     using Archive::write;
 };
 
-vdb::Coord to_coord(const Index3& index) { return {index.x(), index.y(), index.z()}; }
-Index3 to_index(const vdb::Coord& coord) { return {coord.x(), coord.y(), coord.z()}; }
+vdb::Coord to_coord(const Index3& index) {
+    return {index.x(), index.y(), index.z()};
+}
+Index3 to_index(const vdb::Coord& coord) {
+    return {coord.x(), coord.y(), coord.z()};
+}
 
 /// Our place of the sample that OpenVDB, z fastest, has at `offset` of a leaf.
 std::size_t place_of(vdb::Index offset) {
@@ -56,27 +60,28 @@ std::size_t place_of(vdb::Index offset) {
 // ---------------------------------------------------------------------------------------- writing
 
 vdb::math::Transform::Ptr to_transform(const GridSpace& space) {
+    using vdb::math::Transform;
     const Mat3d& linear = space.world_from_index.linear();
     const Vec3d& origin = space.world_from_index.translation();
-    const vdb::Vec3d translation(origin.x(), origin.y(), origin.z());
-    const Vec3d scale = linear.diagonal();
-    const auto transform = [](auto map) { return std::make_shared<vdb::math::Transform>(map); };
-    // The plainest map that tells the same: readers take a uniform scale for a level set's.
-    if (linear.isDiagonal(0) && (scale.array() > 0).all()) {
-        if (scale.x() == scale.y() && scale.x() == scale.z()) {
-            return transform(std::make_shared<vdb::math::UniformScaleTranslateMap>(scale.x(),
-                                                                                   translation));
+    if (linear.isDiagonal(0)) {
+        // Step by step: the constructor that takes a whole map rounds its scale, as the difference
+        // of two points. Equal scales make the uniform map that readers expect of a level set.
+        const Vec3d scale = linear.diagonal();
+        const Transform::Ptr transform = Transform::createLinearTransform(1.0);
+        if (scale == Vec3d::Constant(scale.x())) {
+            transform->postScale(scale.x());
+        } else {
+            transform->postScale(vdb::Vec3d(scale.x(), scale.y(), scale.z()));
         }
-        return transform(std::make_shared<vdb::math::ScaleTranslateMap>(
-            vdb::Vec3d(scale.x(), scale.y(), scale.z()), translation));
+        transform->postTranslate(vdb::Vec3d(origin.x(), origin.y(), origin.z()));
+        return transform;
     }
     // OpenVDB multiplies row vectors from the left: its matrix is the transpose of ours.
-    const Eigen::Matrix4d matrix = space.world_from_index.matrix();
     vdb::Mat4d affine;
     for (int i = 0; i < 4; ++i) {
-        for (int j = 0; j < 4; ++j) affine(i, j) = matrix(j, i);
+        for (int j = 0; j < 4; ++j) affine(i, j) = space.world_from_index.matrix()(j, i);
     }
-    return transform(std::make_shared<vdb::math::AffineMap>(affine));
+    return Transform::createLinearTransform(affine);
 }
 
 /// Sets tiles of - background wherever the field's row rule says so, then merges them.
@@ -88,8 +93,8 @@ void fill_inside(const SparseField& field, vdb::FloatTree& tree) {
     for (std::size_t i = 0; i < blocks.size(); ++i) {
         if (!is_inside_beyond(blocks[i])) continue;
         const Index3& from = blocks[i].coordinate;
-        const bool last_of_row = i + 1 == blocks.size() ||
-                                 blocks[i + 1].coordinate.tail<2>() != from.tail<2>();
+        const bool last_of_row =
+            i + 1 == blocks.size() || blocks[i + 1].coordinate.tail<2>() != from.tail<2>();
         const int to = last_of_row ? x_end : blocks[i + 1].coordinate.x();
         for (int x = from.x() + 1; x < to; ++x) {
             const Index3 tile = block_size * Index3(x, from.y(), from.z());
@@ -169,7 +174,8 @@ void require_whole(const std::filesystem::path& path) {
 }
 
 /// Opens `path`, calls use(file), and turns what OpenVDB throws into InputError.
-template <class Use> auto with_vdb(const std::filesystem::path& path, bool delay_load, Use use) {
+template<class Use>
+auto with_vdb(const std::filesystem::path& path, bool delay_load, Use use) {
     vdb::initialize(); // does nothing after the first time
     try {
         require_whole(path);
@@ -224,7 +230,8 @@ FieldBlock constant_block(const Index3& coordinate, float value, bool active) {
     return block;
 }
 
-template <class Tree> std::vector<FieldBlock> blocks_of_leaves(const Tree& tree) {
+template<class Tree>
+std::vector<FieldBlock> blocks_of_leaves(const Tree& tree) {
     using Leaf = typename Tree::LeafNodeType;
     std::vector<const Leaf*> leaves;
     leaves.reserve(tree.leafCount());
@@ -248,7 +255,7 @@ IndexBox blocks_of_tile(const vdb::CoordBBox& box) {
 
 /// Adds constant blocks for the tiles that hold neither background nor, in signed fields, its
 /// opposite. Returns the boxes [blocks] of the inactive tiles of that opposite: the inside.
-template <class Tree>
+template<class Tree>
 std::vector<IndexBox> expand_tiles(const Tree& tree, bool is_signed,
                                    std::vector<FieldBlock>& blocks) {
     std::vector<IndexBox> inside;
@@ -271,8 +278,8 @@ std::vector<IndexBox> expand_tiles(const Tree& tree, bool is_signed,
         for (int z = box.lo.z(); z < box.hi.z(); ++z) {
             for (int y = box.lo.y(); y < box.hi.y(); ++y) {
                 for (int x = box.lo.x(); x < box.hi.x(); ++x) {
-                    blocks.push_back(constant_block({x, y, z}, static_cast<float>(value),
-                                                    tile.isValueOn()));
+                    blocks.push_back(
+                        constant_block({x, y, z}, static_cast<float>(value), tile.isValueOn()));
                 }
             }
         }
@@ -281,7 +288,7 @@ std::vector<IndexBox> expand_tiles(const Tree& tree, bool is_signed,
 }
 
 /// First sample along x [index] after the tile of `tree` that holds `at`.
-template <class Tree, class Accessor>
+template<class Tree, class Accessor>
 int end_of_tile(const Accessor& accessor, const vdb::Coord& at) {
     using Top = typename Tree::RootNodeType::ChildNodeType;
     const int depth = accessor.getValueDepth(at); // -1: background, 0: tile of the root, …
@@ -295,7 +302,7 @@ int end_of_tile(const Accessor& accessor, const vdb::Coord& at) {
 ///
 /// blocks  sorted by z, y, x on entry
 /// inside  boxes [blocks] of the tiles of the inside
-template <class Tree>
+template<class Tree>
 void add_sign_blocks(const Tree& tree, const std::vector<IndexBox>& inside,
                      std::vector<FieldBlock>& blocks) {
     const auto background = static_cast<float>(tree.background());
@@ -332,8 +339,8 @@ void add_sign_blocks(const Tree& tree, const std::vector<IndexBox>& inside,
             const vdb::Coord at = to_coord(block_size * Index3(x, y, z));
             const bool tile_is_inside = accessor.getValue(at) < 0;
             if (tile_is_inside != is_inside) {
-                added.push_back(constant_block({x, y, z},
-                                               tile_is_inside ? -background : background, false));
+                added.push_back(
+                    constant_block({x, y, z}, tile_is_inside ? -background : background, false));
                 is_inside = tile_is_inside;
             }
             const int after_tile = end_of_tile<Tree>(accessor, at) / block_size;
@@ -344,7 +351,8 @@ void add_sign_blocks(const Tree& tree, const std::vector<IndexBox>& inside,
     blocks.insert(blocks.end(), added.begin(), added.end());
 }
 
-template <class Grid> SparseField to_field(const Grid& grid) {
+template<class Grid>
+SparseField to_field(const Grid& grid) {
     GridSpace space = to_space(grid.transform());
     const bool is_signed = grid.getGridClass() == vdb::GRID_LEVEL_SET;
     const auto background = static_cast<double>(grid.background());

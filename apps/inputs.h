@@ -1,0 +1,53 @@
+// What the words of a command line name: meshes, fields and outputs.
+// SPDX-License-Identifier: MPL-2.0
+#pragma once
+
+#include "distance_transform/mesh.h"
+#include "volume/field_source.h"
+
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace isocast {
+
+/// A command line that cannot be right, whatever its files hold.
+struct UsageError : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+/// A mesh or a field, by file or by built-in name. Nothing has been read yet.
+struct Input {
+    enum class Kind { MeshFile, SampleMesh, FieldFile, BuiltinField };
+    Kind kind = Kind::MeshFile;
+    std::string text = {};     // as the user wrote it
+    std::string name = {};     // path or built-in name
+    std::string grid = {};     // of a field file; empty for its first
+    int samples_per_axis = 64; // of a built-in field
+
+    bool is_mesh() const { return kind == Kind::MeshFile || kind == Kind::SampleMesh; }
+};
+
+/// Understands `mesh:NAME`, `field:NAME@N`, a mesh file, a field file and `FILE:GRID`.
+/// throws  InputError if it is none of these or the file does not exist
+Input input_from(const std::string& text);
+
+/// throws  InputError that names the input and the cause
+CheckedMesh read_checked_mesh(const Input& input);
+std::unique_ptr<FieldSource> read_field(const Input& input);
+
+/// Finds out before the long work whether `path` can be written.
+/// extensions  those allowed, with their dots
+/// throws      UsageError for another extension; InputError if the folder does not exist or cannot
+///             be written to
+void check_output(const std::filesystem::path& path, const std::vector<std::string>& extensions);
+
+/// A finite number, all of `text`.
+/// throws  UsageError
+double number_from(std::string_view text);
+/// throws  UsageError
+int integer_from(std::string_view text);
+
+} // namespace isocast

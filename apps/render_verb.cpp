@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: MPL-2.0
+#include "apps/verbs.h"
+
+#include "apps/camera_spec.h"
+#include "apps/console.h"
+#include "apps/exr_layers.h"
+#include "apps/inputs.h"
+#include "apps/parsed_option.h"
+#include "apps/verdict_json.h"
+#include "distance_transform/convert.h"
+#include "raycaster/renderer.h"
+#include "volume/errors.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <charconv>
+
+namespace isocast {
+
+namespace {
+
+struct Size {
+    int width = 1024;
+    int height = 1024;
+};
+
+struct RenderCommand {
+    std::string input;
+    std::filesystem::path output;
+    Size size;
+    CameraSpec camera;
+    double iso_world = 0;
+    double rate = Quality{}.rate;
+    std::optional<int> resolution; // of meshes
+    gl::Backend backend = gl::Backend::Auto;
+    std::optional<ExrLayers> layers;
+    int repeat = 1;
+    bool explain = false;
+    std::size_t threads =
+        tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+    bool json = false;
+};
+
+struct Seconds {
+    double field = 0;   // reading, and for meshes converting
+    double context = 0; // OpenGL
+    double load = 0;    // active blocks, bricks to the GPU
+    double draw = 0;    // all frames
+    double write = 0;
+    double total = 0;
+};
+
+Size size_from(std::string_view text) {
+    Size size;
+    const char* end = text.data() + text.size();
+    const auto [x, no_width] = std::from_chars(text.data(), end, size.width);
+    if (no_width == std::errc{} && x != end && *x == 'x') {
+        const auto [rest, no_height] = std::from_chars(x + 1, end, size.height);
+        if (no_height == std::errc{} && rest == end && size.width > 0 && size.height > 0)
+            return size;
+    }
+    throw UsageError(fmt::format("'{}' is not WxH in pixels, like 1024x768", text));
+}
+
+gl::Backend offscreen_backend_from(std::string_view name) {
+    if (name != "auto" && name != "egl" && name != "osmesa")
+        throw UsageError(fmt::format("'{}' is not one of auto, egl, osmesa", name));
+    return gl::backend_from_name(name);
+}
+
+double rate_from(std::string_view text) {
+    const double rate = number_from(text);
+    // 64: steps of 1/512 voxel near the surface, beyond what float32 positions resolve.
+    if (!(rate > 0 && rate <= 64))
+        throw UsageError(fmt::format("{} does not lie above 0 and up to 64", text));
+    return rate;
+}
+
+std::filesystem::path first_folder_of(const std::vector<std::filesystem::path>& folders) {
+    std::vector<std::string> names;
+    for (const auto& folder : folders) {
+        if (std::filesystem::is_directory(folder)) return folder;
+        names.push_back(folder.string());
+    }
+    throw std::runtime_error(
+        fmt::format("no shaders: there is no folder {}", fmt::join(names, " and no ")));
+}
+
+/// The last frame's report, with median pass times over all frames.
+FrameReport draw_frames(Renderer& renderer, const Camera& camera, const RenderCommand& command,
+                        const ImageSet& wanted, const Progress& progress) {
+    FrameReport report;
+    std::vector<std::vector<double>> times;
+    for (int frame = 0; frame < command.repeat; ++frame) {
+        progress("drawing", double(frame) / command.repeat);
+        report = renderer.draw(camera, command.size.width, command.size.height, wanted);
+        times.resize(report.passes.size());
+        for (std::size_t i = 0; i < times.size(); ++i)
+            times[i].push_back(report.passes[i].milliseconds);
+    }
+    for (std::size_t i = 0; i < times.size(); ++i) {
+        auto middle = times[i].begin() + command.repeat / 2;
+        std::nth_element(times[i].begin(), middle, times[i].end());
+        report.passes[i].milliseconds = *middle;
+    }
+    return report;
+}
+
+void write(const RenderCommand& command, const Renderer& renderer, const Camera& camera,
+           const Scene& scene, const gl::DriverInfo& driver) {
+    Image beauty = renderer.read(FrameImage::Beauty);
+    if (command.output.extension() == ".png") {
+        write_png(beauty, command.output);
+        return;
+    }
+    const ExrLayers layers = command.layers.value_or(ExrLayers{});
+    const FrameImages images{std::move(beauty), renderer.read(FrameImage::Hit),
+                             layers.normal ? renderer.read(FrameImage::Gradient) : Image{}};
+    ExrImage exr = exr_image(images, camera, layers);
+    exr.floats = {{"iso", static_cast<float>(scene.iso_world)},
+                  {"voxelSize", static_cast<float>(scene.field->space().voxel_size_world())}};
+    exr.strings = {{"filter", "cubic B-spline, smoothing"},
+                   {"glRenderer", driver.renderer},
+                   {"source", command.input}};
+    write_exr(exr, command.output);
+}
+
+void report_json(const RenderCommand& command, const gl::DriverInfo& driver,
+                 const Renderer& renderer, const FrameReport& frame,
+                 const std::vector<std::string>& warnings, const Seconds& seconds) {
+    nlohmann::ordered_json passes = nlohmann::ordered_json::array();
+    for (const PassReport& pass : frame.passes)
+        if (pass.ran)
+            passes.push_back({{"name", pass.name},
+                              {"ms", pass.milliseconds},
+                              {"bytes", pass.texture_bytes},
+                              {"asked_by", pass.asked_by}});
+    const int bricks = renderer.active_brick_count();
+    print_json({{"input", command.input},
+                {"output", command.output.string()},
+                {"gl",
+                 {{"backend", driver.backend},
+                  {"vendor", driver.vendor},
+                  {"renderer", driver.renderer},
+                  {"version", driver.version}}},
+                {"size", {command.size.width, command.size.height}},
+                {"passes", passes},
+                {"programs", frame.programs_compiled},
+                {"texture_bytes", frame.image_bytes + frame.field_bytes},
+                // All active bricks are resident.
+                {"bricks", {{"resident", bricks}, {"active", bricks}}},
+                {"seconds",
+                 {{"field", seconds.field},
+                  {"context", seconds.context},
+                  {"load", seconds.load},
+                  {"draw", seconds.draw},
+                  {"write", seconds.write},
+                  {"total", seconds.total}}},
+                {"warnings", warnings}});
+}
+
+void explain(const FrameReport& frame) {
+    constexpr double mib = 1 << 20;
+    fmt::print("{:<12} {:>10} {:>10}  {}\n", "pass", "ms", "MiB", "asked by");
+    for (const PassReport& pass : frame.passes)
+        if (pass.ran)
+            fmt::print("{:<12} {:>10.3f} {:>10.2f}  {}\n", pass.name, pass.milliseconds,
+                       double(pass.texture_bytes) / mib, pass.asked_by);
+        else
+            fmt::print("{:<12} {:>10} {:>10}  nothing: does not run\n", pass.name, "-", "-");
+    fmt::print("{} programs; images {:.2f} MiB, field {:.2f} MiB\n", frame.programs_compiled,
+               double(frame.image_bytes) / mib, double(frame.field_bytes) / mib);
+}
+
+void report(const RenderCommand& command, const gl::DriverInfo& driver, const Renderer& renderer,
+            const Seconds& seconds) {
+    fmt::print("{}: {} x {} pixels by {} ({}), {} bricks\n", command.output.string(),
+               command.size.width, command.size.height, driver.renderer, driver.backend,
+               renderer.active_brick_count());
+    fmt::print("{:.2f} s: field {:.2f}, context {:.2f}, load {:.2f}, draw {:.2f}, write {:.2f}\n",
+               seconds.total, seconds.field, seconds.context, seconds.load, seconds.draw,
+               seconds.write);
+}
+
+void run(const RenderCommand& command, const std::vector<std::filesystem::path>& shader_folders,
+         Console& console) {
+    const Stopwatch total;
+    const bool is_png = command.output.extension() == ".png";
+    const Input input = input_from(command.input);
+    check_output(command.output, {".png", ".exr"});
+    if (is_png && command.layers)
+        throw UsageError(fmt::format("--aov: {}: a PNG holds the picture only; write an .exr",
+                                     command.output.string()));
+    if (!input.is_mesh() && command.resolution)
+        throw UsageError(fmt::format("--resolution: {} is a field already", command.input));
+    const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
+                                      command.threads);
+    const Progress progress = console.progress();
+    std::vector<std::string> warnings;
+    const auto warn = [&](const std::string& warning) {
+        console.warn(fmt::format("{}: {}", command.input, warning));
+        warnings.push_back(warning);
+    };
+
+    // What is wrong with the input is said before OpenGL is tried, and that before the long work.
+    Seconds seconds;
+    Stopwatch step;
+    progress("reading", 0);
+    std::optional<CheckedMesh> mesh;
+    Scene scene;
+    scene.iso_world = command.iso_world;
+    scene.quality.rate = command.rate;
+    if (input.is_mesh())
+        mesh = read_checked_mesh(input);
+    else
+        scene.field = read_field(input);
+    seconds.field = step.lap();
+
+    const auto context = gl::make_context({.backend = command.backend});
+    Renderer renderer(*context, first_folder_of(shader_folders));
+    seconds.context = step.lap();
+
+    if (mesh) {
+        const ConvertOptions options{
+            .voxel_size_world = voxel_size_for_resolution(bounding_box(mesh->mesh),
+                                                          command.resolution.value_or(256))};
+        ConvertResult result = convert(*mesh, options, progress);
+        for (const auto& warning : mesh->warnings) warn(warning);
+        for (const auto& warning : result.warnings) warn(warning);
+        scene.field = std::make_shared<SparseField>(std::move(result.field));
+    }
+    seconds.field += step.lap();
+
+    renderer.load(scene, progress);
+    seconds.load = step.lap();
+    if (!renderer.has_surface()) {
+        const ValueRange range = scene.field->value_range(scene.field->extent());
+        warn(fmt::format("the field never crosses the iso value {}: its values lie in {} ... {}",
+                         scene.iso_world, range.min, range.max));
+    }
+
+    ImageSet wanted{FrameImage::Beauty};
+    if (!is_png) wanted.insert(FrameImage::Hit);
+    if (command.layers && command.layers->normal) wanted.insert(FrameImage::Gradient);
+    const Camera camera = camera_from(command.camera, renderer.surface_box_world(),
+                                      double(command.size.width) / command.size.height);
+    const FrameReport frame = draw_frames(renderer, camera, command, wanted, progress);
+    seconds.draw = step.lap();
+    write(command, renderer, camera, scene, context->driver());
+    seconds.write = step.lap();
+    seconds.total = total.seconds();
+
+    console.end_progress();
+    if (command.json) {
+        report_json(command, context->driver(), renderer, frame, warnings, seconds);
+        return;
+    }
+    if (command.explain) explain(frame);
+    report(command, context->driver(), renderer, seconds);
+}
+
+} // namespace
+
+Verb render_verb(CLI::App& program, std::vector<std::filesystem::path> shader_folders) {
+    CLI::App* app = program.add_subcommand("render", "Draw the isosurface of a field or mesh");
+    const auto command = std::make_shared<RenderCommand>();
+    app->add_option("IN", command->input,
+                    "Field (.vdb, FILE.vdb:GRID, field:NAME@N) or mesh (.obj .ply .stl .off, "
+                    "mesh:NAME), which is converted on the way")
+        ->required();
+    app->add_option("-o,--output", command->output, "Picture to write (.png, .exr)")
+        ->required()
+        ->type_name("FILE");
+    add_parsed(*app, "--size", command->size, size_from,
+               "Width and height in pixels (default 1024x1024)")
+        ->type_name("WxH");
+    add_parsed(*app, "--camera", command->camera, camera_spec_from,
+               "key=value pairs joined by ';': eye=x,y,z  target=x,y,z  direction=x,y,z (from the "
+               "object to the eye; the object then fills the picture)  up=x,y,z  fov=degrees  "
+               "height=H (orthographic)")
+        ->type_name("SPEC");
+    add_parsed(*app, "--iso", command->iso_world, number_from, "Iso value (default 0)")
+        ->type_name("V");
+    add_parsed(*app, "--rate", command->rate, rate_from, "Base samples per voxel (default 1)")
+        ->type_name("R");
+    add_parsed(*app, "--resolution", command->resolution, integer_from,
+               "Meshes: voxels along the longest side (default 256)")
+        ->type_name("N");
+    add_parsed(*app, "--backend", command->backend, offscreen_backend_from,
+               "OpenGL through: auto (egl, then osmesa), egl, osmesa")
+        ->type_name("NAME");
+    add_parsed(*app, "--aov", command->layers, exr_layers_from,
+               "More channels for an .exr, joined by ',': P (position), N (normal)")
+        ->type_name("LIST");
+    app->add_option("--repeat", command->repeat, "Draw N frames and report median times")
+        ->check(CLI::Range(1, 10000))
+        ->type_name("N");
+    app->add_flag("--explain", command->explain,
+                  "Show each pass: what asked for it, its time, its memory");
+    add_threads(*app, command->threads);
+    app->add_flag("--json", command->json, "Report as JSON");
+    app->footer("Example: isocast render bunny.vdb -o bunny.png --camera \"direction=1,0.5,1\"");
+    return {app, [command, folders = std::move(shader_folders)](Console& console) {
+                run(*command, folders, console);
+            }};
+}
+
+} // namespace isocast

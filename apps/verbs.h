@@ -1,0 +1,32 @@
+// The verbs of the program. Each declares its options and gives the function that runs it.
+// SPDX-License-Identifier: MPL-2.0
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace isocast {
+
+class Console;
+
+struct Verb {
+    CLI::App* app;
+    /// throws  UsageError, InputError, ResourceError, Interrupted, gl::GlError
+    std::function<void(Console&)> run;
+};
+
+/// mesh -> level set
+Verb convert_verb(CLI::App& program);
+/// field or mesh -> picture. The shaders are in the first of the folders that exists.
+Verb render_verb(CLI::App& program, std::vector<std::filesystem::path> shader_folders);
+/// what a mesh or field file holds
+Verb info_verb(CLI::App& program);
+/// built-in mesh or field -> file
+Verb sample_verb(CLI::App& program);
+
+} // namespace isocast

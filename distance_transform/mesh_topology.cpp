@@ -1,0 +1,95 @@
+// Which triangles of a mesh meet: edges by sorting, fans and shells by disjoint sets.
+// SPDX-License-Identifier: MPL-2.0
+#include "distance_transform/mesh_topology.h"
+
+#include "volume/errors.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_sort.h>
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+namespace isocast {
+
+DisjointSets::DisjointSets(std::size_t count) : parent_(count) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+}
+
+int DisjointSets::find(int member) {
+    while (parent_[member] != member) {
+        parent_[member] = parent_[parent_[member]];
+        member = parent_[member];
+    }
+    return member;
+}
+
+void DisjointSets::unite(int a, int b) {
+    a = find(a);
+    b = find(b);
+    parent_[std::max(a, b)] = std::min(a, b);
+}
+
+namespace {
+
+struct EdgeUse {
+    int least; // vertices of the edge
+    int greatest;
+    std::uint32_t halfedge;
+    auto operator<=>(const EdgeUse&) const = default;
+};
+
+/// The corner of triangle `halfedge / 3` at which `vertex` stands; it is an end of the half-edge.
+int corner_at(const Mesh& mesh, std::uint32_t halfedge, int vertex) {
+    const auto first = static_cast<int>(halfedge / 3 * 3);
+    const auto k = static_cast<int>(halfedge % 3);
+    return first + (mesh.triangles[halfedge / 3][k] == vertex ? k : (k + 1) % 3);
+}
+
+} // namespace
+
+MeshTopology topology_of(const Mesh& mesh) {
+    const std::size_t corner_count = 3 * mesh.triangles.size();
+    if (corner_count > std::numeric_limits<int>::max())
+        throw ResourceError(
+            fmt::format("the mesh has too many triangles ({})", mesh.triangles.size()));
+    std::vector<EdgeUse> uses(corner_count);
+    for (std::uint32_t h = 0; h < corner_count; ++h) {
+        const auto [least, greatest] = std::minmax({halfedge_from(mesh, h), halfedge_to(mesh, h)});
+        uses[h] = {least, greatest, h};
+    }
+    tbb::parallel_sort(uses.begin(), uses.end());
+
+    MeshTopology topology;
+    topology.halfedges.reserve(corner_count);
+    DisjointSets fans(corner_count);
+    DisjointSets shells(mesh.triangles.size());
+    for (std::uint32_t i = 0; i < corner_count; ++i) {
+        const EdgeUse& use = uses[i];
+        const bool is_first =
+            i == 0 || use.least != uses[i - 1].least || use.greatest != uses[i - 1].greatest;
+        topology.halfedges.push_back(use.halfedge);
+        if (is_first) {
+            topology.edge_begin.push_back(i);
+            continue;
+        }
+        const std::uint32_t before = uses[i - 1].halfedge;
+        for (const int vertex : {use.least, use.greatest})
+            fans.unite(corner_at(mesh, before, vertex), corner_at(mesh, use.halfedge, vertex));
+        shells.unite(static_cast<int>(before / 3), static_cast<int>(use.halfedge / 3));
+    }
+    topology.edge_begin.push_back(static_cast<std::uint32_t>(corner_count));
+
+    // A set's least member names it, so that one pass numbers the sets in order.
+    topology.fan_of_corner.resize(corner_count);
+    for (int c = 0; c < static_cast<int>(corner_count); ++c) {
+        const int root = fans.find(c);
+        topology.fan_of_corner[c] = root == c ? topology.fan_count++ : topology.fan_of_corner[root];
+    }
+    for (int t = 0; t < static_cast<int>(mesh.triangles.size()); ++t)
+        topology.shell_count += shells.find(t) == t ? 1 : 0;
+    return topology;
+}
+
+} // namespace isocast

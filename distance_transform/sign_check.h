@@ -1,0 +1,27 @@
+// Whether the signs of a band fit together, and what to do if not.
+// SPDX-License-Identifier: MPL-2.0
+#pragma once
+
+#include "distance_transform/winding_number.h"
+#include "volume/progress.h"
+#include "volume/sparse_field.h"
+
+#include <vector>
+
+namespace isocast {
+
+/// False where two neighbouring samples differ in sign although both are too far from the surface
+/// for it to pass between them, where a row of missing blocks ends with another sign than it
+/// begins, or where it leaves the box inside: the surface intersects itself, or a shell is inside
+/// out.
+///
+/// blocks  sorted by z, y, x
+bool signs_are_consistent(const std::vector<FieldBlock>& blocks, double voxel_size_world);
+
+/// Gives all samples the sign of the winding number, and keeps their distances.
+///
+/// winding  in voxels from the samples' origin
+void sign_by_winding_number(std::vector<FieldBlock>& blocks, const WindingNumber& winding,
+                            float background_world, const Progress& progress);
+
+} // namespace isocast

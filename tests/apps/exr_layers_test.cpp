@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MPL-2.0
+#include "apps/exr_layers.h"
+
+#include "apps/inputs.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace isocast::test {
+namespace {
+
+constexpr int width = 12, height = 7;
+
+/// A frame whose pixel (x, y) hits at t = 3 + x along its ray, but for the first, which misses.
+FrameImages made_frame(const Camera& camera) {
+    FrameImages frame;
+    for (Image* image : {&frame.beauty, &frame.hit, &frame.gradient})
+        *image = {width, height, std::vector<float>(std::size_t{4} * width * height)};
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const std::size_t i = 4 * static_cast<std::size_t>(y * width + x);
+            for (std::size_t c = 0; c < 3; ++c)
+                frame.beauty.rgba[i + c] = float(x) / 16 + float(c) / 4;
+            if (i == 0) continue;
+            const Ray ray = camera_ray(camera, width, height, x + 0.5, y + 0.5);
+            const Vec3d hit = ray.origin_world + (3 + x) * ray.direction_world - camera.eye_world;
+            const Vec3d gradient = Vec3d(1 + x, -2, y);
+            for (std::size_t c = 0; c < 3; ++c) {
+                frame.hit.rgba[i + c] = static_cast<float>(hit[static_cast<int>(c)]);
+                frame.gradient.rgba[i + c] = static_cast<float>(gradient[static_cast<int>(c)]);
+            }
+            frame.beauty.rgba[i + 3] = frame.hit.rgba[i + 3] = frame.gradient.rgba[i + 3] = 1;
+        }
+    return frame;
+}
+
+class ExrLayersOf : public testing::TestWithParam<Projection> {
+protected:
+    Camera camera{.eye_world = {1, 2, 30},
+                  .target_world = {-4, 3, 1},
+                  .up = {0.2, 1, 0},
+                  .projection = GetParam(),
+                  .fov_y_degrees = 40,
+                  .height_world = 9};
+    FrameImages frame = made_frame(camera);
+    ExrImage exr = exr_image(frame, camera, {.position = true, .normal = true});
+
+    float value(const std::string& channel, int x, int y) const {
+        return exr.channels.at(channel).values.at(static_cast<std::size_t>(y * width + x));
+    }
+    Vec3d vector(const std::string& layer, int x, int y) const {
+        return {value(layer + ".X", x, y), value(layer + ".Y", x, y), value(layer + ".Z", x, y)};
+    }
+};
+
+INSTANTIATE_TEST_SUITE_P(Both, ExrLayersOf,
+                         testing::Values(Projection::Perspective, Projection::Orthographic));
+
+TEST_P(ExrLayersOf, NdcMatrixTakesPositionsToTheirPixels) {
+    for (int y = 0; y < height; ++y)
+        for (int x = y == 0 ? 1 : 0; x < width; ++x) {
+            const Eigen::Vector4d clip =
+                exr.matrices.at("worldToNDC").cast<double>() * vector("P", x, y).homogeneous();
+            // 1e-5: float32 positions near 40 have steps of 4e-6, and the picture's half is 4.5
+            // high; the float32 matrix adds as much again.
+            EXPECT_NEAR(clip.x() / clip.w(), 2 * (x + 0.5) / width - 1, 1e-5);
+            EXPECT_NEAR(clip.y() / clip.w(), 1 - 2 * (y + 0.5) / height, 1e-5);
+        }
+}
+
+TEST_P(ExrLayersOf, DepthIsTheCameraSpaceDistanceAlongTheAxis) {
+    for (int y = 0; y < height; ++y)
+        for (int x = y == 0 ? 1 : 0; x < width; ++x) {
+            const Eigen::Vector4d p =
+                exr.matrices.at("worldToCamera").cast<double>() * vector("P", x, y).homogeneous();
+            EXPECT_NEAR(value("Z", x, y), -p.z(), 2e-5); // float32 at 40, a few roundings
+            // camera_ray's direction has length 1 along the axis for both projections.
+            EXPECT_NEAR(value("Z", x, y), 3 + x, 2e-5);
+        }
+}
+
+TEST_P(ExrLayersOf, NormalsAreUnitGradients) {
+    for (int y = 0; y < height; ++y)
+        for (int x = y == 0 ? 1 : 0; x < width; ++x)
+            // 1e-7: float32 below 1.
+            EXPECT_LT((vector("N", x, y) - Vec3d(1 + x, -2, y).normalized()).norm(), 2e-7);
+}
+
+TEST_P(ExrLayersOf, MissesAreInfinitelyFarAndEmpty) {
+    EXPECT_TRUE(std::isinf(value("Z", 0, 0)));
+    EXPECT_EQ(vector("P", 0, 0), Vec3d::Zero());
+    EXPECT_EQ(vector("N", 0, 0), Vec3d::Zero());
+    for (const char* name : {"R", "G", "B", "A"}) EXPECT_EQ(value(name, 0, 0), 0);
+}
+
+TEST_P(ExrLayersOf, ColourIsHalfAndTheRestFloat) {
+    for (const auto& [name, channel] : exr.channels)
+        EXPECT_EQ(channel.as_half, name.size() == 1 && name != "Z") << name;
+    EXPECT_EQ(value("G", 4, 2), frame.beauty.pixel(4, 2)[1]);
+    EXPECT_EQ(value("A", 4, 2), 1);
+}
+
+TEST_P(ExrLayersOf, OnlyTheLayersAskedForExist) {
+    const ExrImage plain = exr_image({frame.beauty, frame.hit, {}}, camera, {});
+    std::vector<std::string> names;
+    for (const auto& [name, channel] : plain.channels) names.push_back(name);
+    EXPECT_EQ(names, (std::vector<std::string>{"A", "B", "G", "R", "Z"}));
+}
+
+TEST(ExrLayers, AreNamedInAList) {
+    EXPECT_TRUE(exr_layers_from("P").position);
+    EXPECT_FALSE(exr_layers_from("P").normal);
+    EXPECT_TRUE(exr_layers_from("N,P").position && exr_layers_from("N,P").normal);
+    for (const char* text : {"", "P,", "Q", "P N", "p"})
+        EXPECT_THROW(exr_layers_from(text), UsageError) << text;
+}
+
+} // namespace
+} // namespace isocast::test

@@ -121,6 +121,26 @@ TEST_F(Rendering, AxisParallelRaysHitToo) {
     }
 }
 
+TEST_F(Rendering, SurfaceEndsWhereTheFieldDoes) {
+    // The box cuts the sphere open at x = 29: beyond it samples only repeat, which is no field.
+    const auto field = dense(sphere_field({30.137, 29.759, 30.319}, 25), GridSpace::uniform(1),
+                             {Index3::Zero(), Index3(30, 61, 61)});
+    for (const Vec3d& eye : {Vec3d(150, 60, 80), Vec3d(-90, 40, 60), Vec3d(29, 29, 140)}) {
+        const Camera camera{.eye_world = eye, .target_world = {20, 30, 30}};
+        const Image image = hits(field, camera, 128);
+        const Differences d = compare(image, *field, 0, camera);
+        EXPECT_GT(d.hits, 1000);
+        EXPECT_EQ(d.missed + d.false_hits, 0) << eye.transpose();
+        EXPECT_LT(d.max_voxels, 0.01) << eye.transpose();
+        for (int i = 0; i < 128 * 128; ++i) {
+            const float* hit = image.pixel(i % 128, i / 128);
+            if (hit[3] == 0) continue;
+            // 1e-4: float coordinates of 100 voxels, a few roundings.
+            ASSERT_LT(camera.eye_world.x() + hit[0], 29 + 1e-4);
+        }
+    }
+}
+
 TEST_F(Rendering, EyeInsideTheObjectSeesItsInnerSide) {
     const auto field = sphere_40();
     const Camera camera{

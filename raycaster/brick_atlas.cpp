@@ -92,6 +92,8 @@ BrickAtlas::BrickAtlas(const FieldSource& field, float iso, const ActiveBlocks& 
     const Index3 origin_brick = lo + size / 2;
     local_origin_index_ = origin_brick * brick_size;
     first_brick_local_ = lo - origin_brick;
+    extent_local_ = {field.extent().lo - local_origin_index_,
+                     field.extent().hi - local_origin_index_};
 
     // Reference: xyz the texel of the brick's own corner sample, w 0; or, where no brick is stored,
     // w the constant that stands for the field: no surface is there, so only its sign matters.
@@ -152,6 +154,8 @@ void BrickAtlas::bind(const gl::Program& program) const {
     reference_.bind_to_unit(1);
     program.set("u_atlas_scale", atlas_scale_);
     program.set("u_first_brick_local", Eigen::Vector3i(first_brick_local_));
+    program.set("u_extent_lo", Eigen::Vector3f(extent_local_.lo.cast<float>()));
+    program.set("u_extent_hi", Eigen::Vector3f((extent_local_.hi - Index3::Ones()).cast<float>()));
 }
 
 } // namespace isocast

@@ -51,6 +51,7 @@ private:
     Eigen::Vector3f atlas_scale_ = Eigen::Vector3f::Zero();
     Index3 local_origin_index_ = Index3::Zero();
     Index3 first_brick_local_ = Index3::Zero();
+    IndexBox extent_local_;
     int brick_count_ = 0;
     float greatest_slope_ = 0;
 };

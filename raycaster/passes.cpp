@@ -132,11 +132,6 @@ void run_raycast(FrameContext& frame) {
                              : double(frame.field.atlas.greatest_slope());
     program.set("u_near_threshold", float(slope / quality.rate));
     program.set("u_refinement_steps", quality.refinement_steps);
-    const IndexBox extent = frame.scene.field->extent();
-    const Index3 origin = frame.field.atlas.local_origin_index();
-    program.set("u_extent_lo", Eigen::Vector3f((extent.lo - origin).cast<float>()));
-    program.set("u_extent_hi",
-                Eigen::Vector3f((extent.hi - Index3::Ones() - origin).cast<float>()));
     program.set("u_world_from_index",
                 Eigen::Matrix3f(space.world_from_index.linear().cast<float>()));
     draw_fullscreen(frame, program);

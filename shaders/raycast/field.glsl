@@ -10,6 +10,8 @@ layout(binding = 0) uniform sampler3D t_atlas;
 layout(binding = 1) uniform sampler3D t_reference;
 uniform vec3 u_atlas_scale;       // 1 / texels of the atlas
 uniform ivec3 u_first_brick_local; // brick of the reference texture's texel 0
+uniform vec3 u_extent_lo;          // the field is defined between these [local index coordinates];
+uniform vec3 u_extent_hi;          // points beyond by rounding are moved there
 
 struct BrickPoint {
     vec3 corner;    // texel of the sample at floor(p)
@@ -18,6 +20,7 @@ struct BrickPoint {
 };
 
 BrickPoint find_brick(vec3 p_local) {
+    p_local = clamp(p_local, u_extent_lo, u_extent_hi);
     vec3 cell = floor(p_local);
     ivec3 brick = ivec3(floor(cell / float(brick_size)));
     ivec3 texel = clamp(brick - u_first_brick_local, ivec3(0), textureSize(t_reference, 0) - 1);

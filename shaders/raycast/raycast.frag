@@ -11,8 +11,6 @@ uniform float u_fine_step;      // 1 / r1 [voxels]
 uniform int u_fine_per_coarse;  // n: r1 = n r0
 uniform float u_near_threshold; // delta: closer to iso than this, steps are fine [world]
 uniform int u_refinement_steps;
-uniform vec3 u_extent_lo; // the field is defined between these [local index coordinates]
-uniform vec3 u_extent_hi;
 uniform mat3 u_world_from_index;
 
 out vec4 o_hit; // eye-relative position [world], object (0: none)

@@ -141,6 +141,31 @@ TEST_F(Rendering, SurfaceEndsWhereTheFieldDoes) {
     }
 }
 
+TEST_F(Rendering, SurfaceThatLeavesTheFieldThroughItsCornersHasNoStrayPixels) {
+    // Rays that leave the box where bricks end once took a rounded exit point for one in the brick
+    // beyond, whose constant had the other sign.
+    const std::shared_ptr<const FieldSource> field = sampled(builtin_field("gyroid"), 96);
+    renderer.load({.field = field});
+    const Camera camera = frame_box(renderer.surface_box_world(), {0.45, 0.35, 1}, 1, 30);
+    renderer.draw(camera, 512, 512, {FrameImage::Hit});
+    const Image image = renderer.read(FrameImage::Hit);
+    int hit_count = 0;
+    double greatest_value_voxels = 0;
+    for (int i = 0; i < 512 * 512; ++i) {
+        const float* hit = image.pixel(i % 512, i / 512);
+        if (hit[3] == 0) continue;
+        ++hit_count;
+        const Vec3d p_index = field->space().to_index(camera.eye_world +
+                                                      Vec3d(hit[0], hit[1], hit[2]));
+        greatest_value_voxels =
+            std::max(greatest_value_voxels, std::abs(tricubic_value(*field, p_index)) /
+                                                field->space().voxel_size_world());
+    }
+    EXPECT_GT(hit_count, 100000);
+    // Hits are within 0.01 voxel of the surface, and the slope is at most sqrt(6).
+    EXPECT_LT(greatest_value_voxels, 0.025);
+}
+
 TEST_F(Rendering, EyeInsideTheObjectSeesItsInnerSide) {
     const auto field = sphere_40();
     const Camera camera{

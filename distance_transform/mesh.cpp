@@ -172,8 +172,7 @@ std::vector<std::string> warnings_of(const MeshVerdict& verdict) {
         if (count > 0) warnings.push_back(counted(count, one, many) + std::string(rest));
     };
     warn(verdict.unreferenced_vertices, "vertex is", "vertices are", " used by no triangle.");
-    warn(verdict.degenerate_triangles, "triangle has", "triangles have",
-         " no area: left out.");
+    warn(verdict.degenerate_triangles, "triangle has", "triangles have", " no area: left out.");
     warn(verdict.duplicate_triangles, "triangle repeats", "triangles repeat",
          " an earlier one: left out.");
     if (verdict.boundary_edges > 0)

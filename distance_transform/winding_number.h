@@ -12,8 +12,8 @@ namespace isocast {
 ///
 /// source    Jacobson et al. 2013; Barill et al. 2018, their order 1: the area-weighted normal at
 ///           the area-weighted centroid and its first moment, for points farther than 2 radii
-/// accuracy  0.02 at the samples of a narrow band around the bunny with holes
-///           (WindingNumber.AgreesWithTheSumOverAllTriangles)
+/// accuracy  0.05 at most, 0.009 RMS, at 2,000 random points in the box of the bunny with holes
+///           (WindingNumber.AgreesWithTheSumOverAllTriangles asserts 0.1)
 class WindingNumber {
 public:
     explicit WindingNumber(const Mesh& mesh);

@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <fstream>
 #include <optional>
-#include <regex>
 #include <sstream>
 
 namespace isocast::gl {
@@ -29,11 +28,13 @@ std::string read_shader(const std::vector<std::filesystem::path>& roots, const s
     throw GlError(fmt::format("no shader file '{}' in {}", name, sought));
 }
 
-std::optional<std::string> included_file(const std::string& line) {
-    static const std::regex directive(R"(^\s*#\s*include\s+\"([^\"]+)\"\s*$)");
-    std::smatch match;
-    if (!std::regex_match(line, match, directive)) return std::nullopt;
-    return match[1].str();
+std::optional<std::string> included_file(std::string_view line) {
+    constexpr std::string_view directive = "#include \"";
+    if (!line.starts_with(directive)) return std::nullopt;
+    line.remove_prefix(directive.size());
+    const auto end = line.find('"');
+    if (end == std::string_view::npos) return std::nullopt; // the compiler will complain
+    return std::string(line.substr(0, end));
 }
 
 struct Expander {
@@ -139,16 +140,19 @@ ExpandedSource ShaderLibrary::expand(const std::string& entry_point,
 }
 
 std::string name_files_in_log(const std::string& log, const std::vector<std::string>& files) {
-    static const std::regex position(R"(^(\d+)[:(](\d+)(?:\(\d+\))?\)?\s*:)");
     std::istringstream lines(log);
     std::string out;
     for (std::string line; std::getline(lines, line);) {
-        std::smatch match;
-        if (std::regex_search(line, match, position)) {
-            const auto source = std::stoul(match[1].str());
-            if (source < files.size())
-                line = fmt::format("shaders/{}:{}:{}", files[source], match[2].str(),
-                                   match.suffix().str());
+        // "SOURCE:LINE(COLUMN):" or "SOURCE(LINE) :"
+        std::size_t source = 0;
+        int number = 0;
+        char separator = 0;
+        std::istringstream position(line);
+        if (position >> source >> separator >> number && source < files.size() &&
+            (separator == ':' || separator == '(')) {
+            const auto colon = line.find(':', static_cast<std::size_t>(position.tellg()));
+            if (colon != std::string::npos)
+                line = fmt::format("shaders/{}:{}{}", files[source], number, line.substr(colon));
         }
         out += line + '\n';
     }

@@ -51,11 +51,14 @@ void write_png(const Image& linear, const std::filesystem::path& path) {
     image.width = static_cast<png_uint_32>(linear.width);
     image.height = static_cast<png_uint_32>(linear.height);
     image.format = PNG_FORMAT_RGB;
+    errno = 0;
     const bool written = png_image_write_to_stdio(&image, file, 0, bytes.data(), 0, nullptr) != 0;
+    const int write_errno = errno;
     const bool closed = std::fclose(file) == 0;
+    // libpng says only "Write Error"; the system knows why.
     if (!written || !closed)
         throw ResourceError(fmt::format("cannot write {}: {}", path.string(),
-                                        written ? std::strerror(errno) : image.message));
+                                        std::strerror(written ? errno : write_errno)));
     output.commit();
 }
 
@@ -93,12 +96,15 @@ void write_exr(const ExrImage& image, const std::filesystem::path& path) {
     }
 
     AtomicFile output(path);
+    errno = 0;
     try {
         Imf::OutputFile file(output.temporary_path().c_str(), header);
         file.setFrameBuffer(frame);
         file.writePixels(image.height);
     } catch (const std::exception& error) {
-        throw ResourceError(fmt::format("cannot write {}: {}", path.string(), error.what()));
+        // Its message names the temporary file; where the system knows the cause, that is enough.
+        throw ResourceError(fmt::format("cannot write {}: {}", path.string(),
+                                        errno != 0 ? std::strerror(errno) : error.what()));
     }
     output.commit();
 }

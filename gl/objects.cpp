@@ -82,41 +82,35 @@ int byte_count(Format format) {
     return info(format).bytes;
 }
 
-Texture Texture::image(Format format, int width, int height, std::string_view label) {
+Texture::Texture(unsigned target, Format format, int width, int height, int depth,
+                 std::string_view label)
+    : format_(format), size_{width, height, depth} {
     unsigned id = 0;
-    glCreateTextures(GL_TEXTURE_2D, 1, &id);
-    Texture texture;
-    texture.handle_ = Handle<delete_texture>(id);
-    texture.format_ = format;
-    texture.size_[0] = width;
-    texture.size_[1] = height;
-    texture.size_[2] = 1;
+    glCreateTextures(target, 1, &id);
+    handle_ = Handle<delete_texture>(id);
     set_label(GL_TEXTURE, id, label);
-    glTextureStorage2D(id, 1, info(format).internal, width, height);
-    throw_if_out_of_memory(texture.byte_count(), label);
+    if (target == GL_TEXTURE_3D)
+        glTextureStorage3D(id, 1, info(format).internal, width, height, depth);
+    else
+        glTextureStorage2D(id, 1, info(format).internal, width, height);
+    throw_if_out_of_memory(byte_count(), label);
     glTextureParameteri(id, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
     glTextureParameteri(id, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-    return texture;
+    for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
+        glTextureParameteri(id, axis, GL_CLAMP_TO_EDGE);
+}
+
+Texture Texture::image(Format format, int width, int height, std::string_view label) {
+    return {GL_TEXTURE_2D, format, width, height, 1, label};
 }
 
 Texture Texture::volume(Format format, int width, int height, int depth, Filter filter,
                         std::string_view label) {
-    unsigned id = 0;
-    glCreateTextures(GL_TEXTURE_3D, 1, &id);
-    Texture texture;
-    texture.handle_ = Handle<delete_texture>(id);
-    texture.format_ = format;
-    texture.size_[0] = width;
-    texture.size_[1] = height;
-    texture.size_[2] = depth;
-    set_label(GL_TEXTURE, id, label);
-    glTextureStorage3D(id, 1, info(format).internal, width, height, depth);
-    throw_if_out_of_memory(texture.byte_count(), label);
-    const GLint mode = filter == Filter::Linear ? GL_LINEAR : GL_NEAREST;
-    glTextureParameteri(id, GL_TEXTURE_MIN_FILTER, mode);
-    glTextureParameteri(id, GL_TEXTURE_MAG_FILTER, mode);
-    for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
-        glTextureParameteri(id, axis, GL_CLAMP_TO_EDGE);
+    Texture texture(GL_TEXTURE_3D, format, width, height, depth, label);
+    if (filter == Filter::Linear) {
+        glTextureParameteri(texture.id(), GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+        glTextureParameteri(texture.id(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    }
     return texture;
 }
 

@@ -85,6 +85,9 @@ public:
     void bind_to_unit(unsigned unit) const;
 
 private:
+    Texture(unsigned target, Format format, int width, int height, int depth,
+            std::string_view label);
+
     Handle<delete_texture> handle_;
     Format format_ = Format::Rgba8;
     int size_[3] = {0, 0, 0};

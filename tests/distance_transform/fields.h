@@ -71,7 +71,10 @@ Comparison compare(const SparseField& field, const Truth& truth) {
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
             const auto& [index, value] = samples[i];
             const double expected = truth(field.space().to_world(index.cast<double>()));
-            const double error = std::abs(std::abs(double{value}) - std::abs(expected));
+            // A value that is no number must not slip through comparisons.
+            const double error = std::isfinite(value)
+                                     ? std::abs(std::abs(double{value}) - std::abs(expected))
+                                     : std::numeric_limits<double>::infinity();
             worst = std::max(worst, (error - ulp(value) / 2.0) / voxel);
             // 1e-9 voxel: nearer to the surface the oracle's own rounding decides.
             if (std::abs(expected) > 1e-9 * voxel && std::signbit(value) != (expected < 0)) ++wrong;

@@ -71,12 +71,13 @@ Eigen::Matrix4d clip_from_local(const Camera& camera, int width, int height, con
     return clip_from_view * view_from_local;
 }
 
-void set_ray_uniforms(const gl::Program& program, const FrameContext& frame) {
+RayCoefficients set_ray_uniforms(const gl::Program& program, const FrameContext& frame) {
     const RayCoefficients ray =
         ray_coefficients(frame.camera, frame.width, frame.height, frame.scene.field->space(),
                          frame.field.atlas.local_origin_index());
     program.set("u_ray_point", Eigen::Matrix3f(ray.point.cast<float>()));
     program.set("u_ray_vector", Eigen::Matrix3f(ray.vector.cast<float>()));
+    return ray;
 }
 
 void set_fixed_state() {
@@ -116,11 +117,9 @@ void run_raycast(FrameContext& frame) {
     const gl::Program& program = frame.shaders.program(raycast_program);
     const GridSpace& space = frame.scene.field->space();
     const Quality& quality = frame.scene.quality;
-    set_ray_uniforms(program, frame);
+    const RayCoefficients ray = set_ray_uniforms(program, frame);
     frame.field.atlas.bind(program);
     frame.targets.texture(FrameImage::Bounds).bind_to_unit(2);
-    const RayCoefficients ray = ray_coefficients(frame.camera, frame.width, frame.height, space,
-                                                 frame.field.atlas.local_origin_index());
     program.set("u_ray_from_eye", Eigen::Matrix3f(ray.from_eye.cast<float>()));
     program.set("u_fine_step", float(1 / (quality.rate * quality.rate_factor)));
     program.set("u_fine_per_coarse", quality.rate_factor);

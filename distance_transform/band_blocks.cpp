@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/band_blocks.h"
 
-#include "distance_transform/point_triangle.h"
+#include "distance_transform/block_descent.h"
 #include "distance_transform/progress_meter.h"
 #include "volume/errors.h"
 #include "volume/sparse_field.h"
@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <atomic>
@@ -52,29 +53,48 @@ double least_block_count(const Mesh& mesh, double half_width) {
                      ball / samples_per_block});
 }
 
+/// A node of the octree: size^3 blocks from block `first` on.
+struct Node {
+    Index3 first;
+    int size;
+
+    Node child(int k) const {
+        const int half = size / 2;
+        return {first + half * Index3(k & 1, k >> 1 & 1, k >> 2), half};
+    }
+    Vec3d first_sample() const { return block_size * first.cast<double>(); }
+    double extent() const { return block_size * double(size) - 1; }
+};
+
 class BandBlockFinder {
 public:
-    BandBlockFinder(const LatticeMesh& lattice, double half_width, double memory_bytes,
-                    const Progress& progress)
-        : mesh_(lattice.mesh), half_width_(half_width), memory_bytes_(memory_bytes),
-          boxes_(mesh_.triangles.size()) {
-        for (std::size_t i = 0; i < boxes_.size(); ++i) {
-            const std::array<Vec3d, 3> corners = corners_of(static_cast<int>(i));
-            boxes_[i] = {corners[0].cwiseMin(corners[1]).cwiseMin(corners[2]),
-                         corners[0].cwiseMax(corners[1]).cwiseMax(corners[2])};
-        }
+    BandBlockFinder(const LatticeMesh& lattice, std::span<const TriangleFrame> frames,
+                    double half_width, double memory_bytes, const Progress& progress)
+        : frames_(frames), half_width_(half_width), memory_bytes_(memory_bytes),
+          boxes_(frames.size()) {
         const Vec3d reach = Vec3d::Constant(half_width + culling_slack);
-        first_ = ((lattice.box.min - reach) / block_size).array().floor().cast<int>();
+        const Mesh& mesh = lattice.mesh;
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, boxes_.size(), 4096), [&](auto&
+                                                                                           range) {
+            for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                const auto [ia, ib, ic] = mesh.triangles[i];
+                const Vec3d& a = mesh.vertices_world[ia];
+                const Vec3d& b = mesh.vertices_world[ib];
+                const Vec3d& c = mesh.vertices_world[ic];
+                boxes_[i] = {a.cwiseMin(b).cwiseMin(c) - reach, a.cwiseMax(b).cwiseMax(c) + reach};
+            }
+        });
+        root_.first = ((lattice.box.min - reach) / block_size).array().floor().cast<int>();
         const Index3 last = ((lattice.box.max + reach) / block_size).array().floor().cast<int>();
-        size_ =
-            static_cast<int>(std::bit_ceil(static_cast<unsigned>((last - first_).maxCoeff()) + 1));
-        meter_.emplace(progress, "prepare", std::pow(size_, 3), 256);
+        root_.size = static_cast<int>(
+            std::bit_ceil(static_cast<unsigned>((last - root_.first).maxCoeff()) + 1));
+        meter_.emplace(progress, "prepare", std::pow(root_.size, 3), 256);
     }
 
     BandBlocks run() {
-        std::vector<int> all(mesh_.triangles.size());
+        std::vector<int> all(frames_.size());
         std::iota(all.begin(), all.end(), 0);
-        visit(first_, size_, all);
+        visit(root_, all);
 
         BandBlocks result;
         for (Found& found : found_) {
@@ -83,7 +103,10 @@ public:
             result.blocks.insert(result.blocks.end(), found.blocks.begin(), found.blocks.end());
             result.lists.push_back(std::move(found.list));
         }
-        std::ranges::sort(result.blocks, zyx_less, &BandBlock::coordinate);
+        tbb::parallel_sort(result.blocks.begin(), result.blocks.end(),
+                           [](const BandBlock& a, const BandBlock& b) {
+                               return zyx_less(a.coordinate, b.coordinate);
+                           });
         result.distance_evaluations = evaluations_;
         return result;
     }
@@ -92,67 +115,82 @@ private:
     struct Found {
         std::vector<BandBlock> blocks;
         std::vector<int> list;
+        DescentWorkspace workspace;
     };
+    using Lists = std::array<std::vector<int>, 8>;
 
-    std::array<Vec3d, 3> corners_of(int triangle) const {
-        const auto [a, b, c] = mesh_.triangles[triangle];
-        return {mesh_.vertices_world[a], mesh_.vertices_world[b], mesh_.vertices_world[c]};
-    }
-
-    /// The cube of size^3 blocks from block `first` on.
-    void visit(const Index3& first, int size, std::span<const int> candidates) {
-        const Vec3d least = block_size * first.cast<double>();
-        const Vec3d greatest = least + Vec3d::Constant(block_size * double(size) - 1);
-        std::vector<int> kept = near_box(candidates, least, greatest);
-        // Where a node is large against the band, or holds many triangles, boxes cull as well as
-        // distances and cost less.
-        const double radius = (greatest - least).norm() / 2;
-        if (size == 1 || kept.size() <= 64 || radius <= 2 * half_width_)
-            cull_by_distance(kept, (least + greatest) / 2, radius);
-        if (kept.empty() || size == 1) {
-            if (!kept.empty()) emit(first, kept);
-            meter_->add(std::pow(size, 3));
+    void visit(const Node& node, std::span<const int> triangles) {
+        if (node.size == 1) {
+            emit(node.first, triangles);
+            meter_->add(1);
             return;
         }
-        const int half = size / 2;
-        const auto visit_child = [&](int child) {
-            visit(first + half * Index3(child & 1, child >> 1 & 1, child >> 2), half, kept);
+        const double child_extent = node.child(0).extent();
+        // Distances cull where the children are small against the band.
+        Lists lists = std::sqrt(3.0) / 2 * child_extent < half_width_
+                          ? split_by_distance(node, triangles)
+                          : split_by_boxes(node, triangles);
+        const auto visit_child = [&](int k) {
+            if (lists[k].empty())
+                meter_->add(std::pow(node.size / 2, 3));
+            else
+                visit(node.child(k), lists[k]);
         };
         // Below so many pairs of triangles and children a task costs more than it does.
-        if (kept.size() * half > 64) {
+        if (triangles.size() * static_cast<std::size_t>(node.size) > 512)
             tbb::parallel_for(0, 8, visit_child);
-        } else {
-            for (int child = 0; child < 8; ++child) visit_child(child);
+        else
+            for (int k = 0; k < 8; ++k) visit_child(k);
+    }
+
+    /// Boxes by halves of each axis, then the planes of the few that are left.
+    Lists split_by_boxes(const Node& node, std::span<const int> triangles) const {
+        const double child_radius = node.child(0).extent() / 2;
+        const Vec3d middle = node.first_sample() + Vec3d::Constant(node.extent() / 2);
+        Lists lists;
+        for (std::vector<int>& list : lists) list.reserve(triangles.size() / 4 + 8);
+        for (const int i : triangles) {
+            unsigned children = 0xff;
+            for (int k = 0; k < 3; ++k) {
+                constexpr std::array<unsigned, 3> low = {0x55, 0x33, 0x0f};
+                // The last sample of the lower half and the first of the upper one.
+                const bool is_low = boxes_[i].min[k] <= middle[k] - 0.5;
+                const bool is_high = boxes_[i].max[k] >= middle[k] + 0.5;
+                children &= (is_low ? low[k] : 0) | (is_high ? ~low[k] : 0);
+            }
+            const Eigen::Map<const Vec3d> normal(frames_[i].t);
+            const double reach =
+                half_width_ + culling_slack + child_radius * normal.cwiseAbs().sum();
+            const double height = normal.dot(middle - Eigen::Map<const Vec3d>(frames_[i].origin));
+            const Vec3d step = (child_radius + 0.5) * normal;
+            for (; children != 0; children &= children - 1) {
+                const int k = std::countr_zero(children);
+                const double child_height = height + (k & 1 ? step.x() : -step.x()) +
+                                            (k & 2 ? step.y() : -step.y()) +
+                                            (k & 4 ? step.z() : -step.z());
+                if (std::abs(child_height) <= reach) lists[k].push_back(i);
+            }
         }
+        return lists;
     }
 
-    std::vector<int> near_box(std::span<const int> candidates, const Vec3d& least,
-                              const Vec3d& greatest) const {
-        const double reach = half_width_ + culling_slack;
-        std::vector<int> kept;
-        for (const int i : candidates) {
-            const Vec3d gap =
-                (boxes_[i].min - greatest).cwiseMax(least - boxes_[i].max).cwiseMax(Vec3d::Zero());
-            if (gap.squaredNorm() <= reach * reach) kept.push_back(i);
-        }
-        return kept;
+    Lists split_by_distance(const Node& node, std::span<const int> triangles) {
+        const Vec3d first = node.first_sample();
+        const DescentInput input{.frames = frames_.data(),
+                                 .candidates = triangles.data(),
+                                 .candidate_count = static_cast<int>(triangles.size()),
+                                 .first_sample = {first.x(), first.y(), first.z()},
+                                 .half_width = half_width_ + culling_slack};
+        SplitOutput children;
+        evaluations_ +=
+            kernels_.split(input, block_size * node.size / 2, found_.local().workspace, children);
+        Lists lists;
+        for (int k = 0; k < 8; ++k)
+            lists[k].assign(children.list[k], children.list[k] + children.count[k]);
+        return lists;
     }
 
-    void cull_by_distance(std::vector<int>& kept, const Vec3d& centre, double radius) {
-        std::vector<double> distances;
-        distances.reserve(kept.size());
-        for (const int i : kept)
-            distances.push_back(std::sqrt(closest_point(centre, corners_of(i)).squared_distance));
-        evaluations_ += std::ssize(kept);
-        double bound = half_width_ + radius;
-        for (const double d : distances) bound = std::min(bound, d + 2 * radius);
-        std::size_t next = 0;
-        for (std::size_t k = 0; k < kept.size(); ++k)
-            if (distances[k] <= bound + culling_slack) kept[next++] = kept[k];
-        kept.resize(next);
-    }
-
-    void emit(const Index3& coordinate, const std::vector<int>& triangles) {
+    void emit(const Index3& coordinate, std::span<const int> triangles) {
         const double bytes = bytes_.fetch_add(sizeof(FieldBlock) + sizeof(BandBlock) +
                                               triangles.size() * sizeof(int));
         if (bytes > memory_bytes_) refuse(bytes, memory_bytes_);
@@ -164,13 +202,13 @@ private:
         found.list.insert(found.list.end(), triangles.begin(), triangles.end());
     }
 
-    const Mesh& mesh_;
+    std::span<const TriangleFrame> frames_;
     double half_width_;
     double memory_bytes_;
-    std::vector<WorldBox> boxes_; // of the triangles
-    Index3 first_;
-    int size_;
+    std::vector<WorldBox> boxes_; // of the triangles, grown by the half width
+    Node root_;
     std::optional<ProgressMeter> meter_;
+    const DescentKernels& kernels_ = descent_kernels(best_instruction_set());
     tbb::enumerable_thread_specific<Found> found_;
     std::atomic<std::int64_t> evaluations_ = 0;
     std::atomic<double> bytes_ = 0;
@@ -178,11 +216,12 @@ private:
 
 } // namespace
 
-BandBlocks find_band_blocks(const LatticeMesh& lattice, double half_width_voxels,
-                            double memory_bytes, const Progress& progress) {
+BandBlocks find_band_blocks(const LatticeMesh& lattice, std::span<const TriangleFrame> frames,
+                            double half_width_voxels, double memory_bytes,
+                            const Progress& progress) {
     const double least = least_block_count(lattice.mesh, half_width_voxels) * sizeof(FieldBlock);
     if (least > memory_bytes) refuse(least, memory_bytes);
-    return BandBlockFinder(lattice, half_width_voxels, memory_bytes, progress).run();
+    return BandBlockFinder(lattice, frames, half_width_voxels, memory_bytes, progress).run();
 }
 
 } // namespace isocast

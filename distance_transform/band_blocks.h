@@ -3,6 +3,7 @@
 #pragma once
 
 #include "distance_transform/lattice.h"
+#include "distance_transform/triangle_frame.h"
 #include "volume/progress.h"
 
 #include <cstdint>
@@ -36,14 +37,16 @@ inline constexpr double culling_slack = 1e-6;
 /// Every block with a sample within `half_width_voxels` of the mesh (and a few others), each with
 /// every triangle that is closest to such a sample.
 ///
-/// An octree of blocks is descended. Distance being 1-Lipschitz, a node whose samples lie within R
-/// of its centre c keeps triangle i only if d_i(c) <= half width + R and d_i(c) <= min_j d_j(c) +
-/// 2 R; large nodes compare boxes instead.
+/// An octree of blocks is descended. A node keeps the triangles whose box and plane come within the
+/// half width of it; where nodes are small against the band, distances cull much more
+/// (block_descent.inl).
 ///
+/// frames        of the lattice mesh's triangles
 /// memory_bytes  what the blocks of the field may take
 /// throws        ResourceError if they would take more; where the mesh's area alone says so, at
 ///               once
-BandBlocks find_band_blocks(const LatticeMesh& lattice, double half_width_voxels,
-                            double memory_bytes, const Progress& progress);
+BandBlocks find_band_blocks(const LatticeMesh& lattice, std::span<const TriangleFrame> frames,
+                            double half_width_voxels, double memory_bytes,
+                            const Progress& progress);
 
 } // namespace isocast

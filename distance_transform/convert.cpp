@@ -10,7 +10,9 @@
 #include "volume/errors.h"
 
 #include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 
 #include <atomic>
 #include <chrono>
@@ -68,9 +70,14 @@ SignMethod chosen_sign(const MeshVerdict& verdict, SignMethod wanted,
     return has_normals ? SignMethod::Normal : SignMethod::Winding;
 }
 
-SignOracle sign_oracle(const Mesh& mesh, SignMethod method) {
+SignOracle sign_oracle(const Mesh& mesh, SignMethod method, bool is_closed) {
     if (method == SignMethod::Normal) return Pseudonormals(mesh);
-    return WindingNumber(mesh);
+    return WindingNumber(mesh, is_closed);
+}
+
+/// Removes blocks without an active sample; few are, so that most of the array is moved.
+void remove_empty(FieldBlocks& blocks) {
+    std::erase_if(blocks, [](const FieldBlock& block) { return block.active.none(); });
 }
 
 } // namespace
@@ -107,21 +114,30 @@ ConvertResult convert(const CheckedMesh& input, const ConvertOptions& options,
     const double half_width = options.half_width_voxels;
     const double memory = available_memory_bytes();
     const LatticeMesh lattice = on_lattice(input.mesh, options.voxel_size_world, half_width);
-    const BandBlocks band = find_band_blocks(lattice, half_width, memory, progress);
-    const SignOracle sign = sign_oracle(lattice.mesh, method);
+    const bool is_closed = input.verdict.is_closed() && input.verdict.is_oriented();
+    std::optional<SignOracle> sign;
+    std::vector<TriangleFrame> frames;
+    BandBlocks band;
+    tbb::parallel_invoke([&] { sign = sign_oracle(lattice.mesh, method, is_closed); },
+                         [&] {
+                             frames = triangle_frames(lattice.mesh);
+                             band = find_band_blocks(lattice, frames, half_width, memory, progress);
+                         });
     const double prepare_seconds = seconds_since(start);
 
     const auto transform_start = std::chrono::steady_clock::now();
-    std::vector<FieldBlock> blocks(band.blocks.size());
-    const BlockTransform transform(lattice.mesh, sign, half_width, options.voxel_size_world);
+    FieldBlocks blocks(band.blocks.size());
+    const BlockTransform transform(frames, *sign, half_width, options.voxel_size_world);
     ProgressMeter meter(progress, "transform", static_cast<double>(blocks.size()), 16);
     std::atomic<std::int64_t> evaluations = band.distance_evaluations;
+    tbb::enumerable_thread_specific<DescentWorkspace> workspaces;
     tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
+        std::construct_at(&blocks[i]);
         blocks[i].coordinate = band.blocks[i].coordinate;
-        evaluations += transform.run(blocks[i], band.triangles(band.blocks[i]));
+        evaluations += transform.run(blocks[i], band.triangles(band.blocks[i]), workspaces.local());
         meter.add(1);
     });
-    std::erase_if(blocks, [](const FieldBlock& block) { return block.active.none(); });
+    remove_empty(blocks);
 
     const double background = half_width * options.voxel_size_world;
     if (options.sign == SignMethod::Auto && method == SignMethod::Normal &&
@@ -129,14 +145,11 @@ ConvertResult convert(const CheckedMesh& input, const ConvertOptions& options,
         method = SignMethod::Winding;
         warnings.push_back("Signs come from the winding number, since those of normals contradict "
                            "each other: the mesh intersects itself, or a part is inside out.");
-        sign_by_winding_number(blocks, WindingNumber(lattice.mesh), static_cast<float>(background),
-                               progress);
+        sign_by_winding_number(blocks, WindingNumber(lattice.mesh, is_closed),
+                               options.voxel_size_world, static_cast<float>(background), progress);
     }
-    const bool may_change_sign_outside =
-        method == SignMethod::Winding &&
-        !(input.verdict.is_closed() && input.verdict.is_oriented());
-    if (may_change_sign_outside && !blocks.empty())
-        store_outside_signs(blocks, std::get<WindingNumber>(sign), static_cast<float>(background),
+    if (method == SignMethod::Winding && !is_closed && !blocks.empty())
+        store_outside_signs(blocks, std::get<WindingNumber>(*sign), static_cast<float>(background),
                             memory, progress);
     for (FieldBlock& block : blocks) block.coordinate += lattice.anchor / block_size;
     return {.field = SparseField(lattice.space, background, Outside::SignedBackground,

@@ -40,7 +40,7 @@ bool is_inside(const FieldBlock& block, int i) {
 
 class OutsideSigns {
 public:
-    OutsideSigns(std::vector<FieldBlock>& blocks, const WindingNumber& winding, float background,
+    OutsideSigns(FieldBlocks& blocks, const WindingNumber& winding, float background,
                  double memory_bytes, const Progress& progress)
         : blocks_(blocks), winding_(winding), background_(background), progress_(progress) {
         Index3 least = blocks.front().coordinate;
@@ -239,7 +239,7 @@ private:
         }
     }
 
-    std::vector<FieldBlock>& blocks_;
+    FieldBlocks& blocks_;
     const WindingNumber& winding_;
     float background_;
     const Progress& progress_;
@@ -249,8 +249,8 @@ private:
 
 } // namespace
 
-void store_outside_signs(std::vector<FieldBlock>& blocks, const WindingNumber& winding,
-                         float background_world, double memory_bytes, const Progress& progress) {
+void store_outside_signs(FieldBlocks& blocks, const WindingNumber& winding, float background_world,
+                         double memory_bytes, const Progress& progress) {
     OutsideSigns(blocks, winding, background_world, memory_bytes, progress).run();
     std::ranges::sort(blocks, zyx_less, &FieldBlock::coordinate);
 }

@@ -20,7 +20,7 @@ namespace isocast {
 /// blocks            sorted by z, y, x; those added are inactive throughout, order is kept
 /// winding           in voxels from the samples' origin
 /// throws            ResourceError if the box has too many blocks for the available memory
-void store_outside_signs(std::vector<FieldBlock>& blocks, const WindingNumber& winding,
-                         float background_world, double memory_bytes, const Progress& progress);
+void store_outside_signs(FieldBlocks& blocks, const WindingNumber& winding, float background_world,
+                         double memory_bytes, const Progress& progress);
 
 } // namespace isocast

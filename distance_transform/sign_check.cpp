@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/sign_check.h"
 
-#include "distance_transform/block_transform.h"
+#include "distance_transform/block_signs.h"
 #include "distance_transform/progress_meter.h"
 
 #include <tbb/parallel_for.h>
@@ -17,78 +17,117 @@ namespace {
 
 class SignCheck {
 public:
-    SignCheck(const std::vector<FieldBlock>& blocks, double voxel_size)
-        : blocks_(blocks), least_sum_(voxel_size * (1 + 1e-5)) {} // 1e-5: rounding to float
+    SignCheck(const FieldBlocks& blocks, double voxel_size)
+        : blocks_(blocks), least_sum_(voxel_size * (1 + 1e-5)), // 1e-5: rounding to float
+          coordinates_(blocks.size()), negative_(blocks.size()) {}
 
-    bool run() const {
+    bool run() {
+        constexpr std::size_t grain = 256;
+        const tbb::blocked_range<std::size_t> all(0, blocks_.size(), grain);
+        tbb::parallel_for(all, [&](const auto& range) {
+            for (std::size_t b = range.begin(); b < range.end(); ++b) {
+                coordinates_[b] = blocks_[b].coordinate;
+                negative_[b] = negative_bits(blocks_[b]);
+            }
+        });
         std::atomic<bool> is_consistent = true;
-        tbb::parallel_for(std::size_t{0}, blocks_.size(), [&](std::size_t b) {
-            if (is_consistent && !(fits_neighbours(blocks_[b]) && fits_row(b)))
-                is_consistent = false;
+        tbb::parallel_for(all, [&](const auto& range) {
+            if (is_consistent && !fits(range.begin(), range.end())) is_consistent = false;
         });
         return is_consistent;
     }
 
 private:
-    bool disagree(float a, float b) const {
-        return (a < 0) != (b < 0) && std::abs(a) + std::abs(b) > least_sum_;
+    /// Blocks begin … end - 1 with their neighbours at higher x, y and z.
+    bool fits(std::size_t begin, std::size_t end) const {
+        for (int axis = 0; axis < 3; ++axis) {
+            // Neighbours of sorted blocks are sorted too: one search, then a walk.
+            const Index3 step = Index3::Unit(axis);
+            auto next = std::ranges::lower_bound(coordinates_, Index3(coordinates_[begin] + step),
+                                                 zyx_less);
+            for (std::size_t b = begin; b < end; ++b) {
+                const Index3 wanted = coordinates_[b] + step;
+                while (next != coordinates_.end() && zyx_less(*next, wanted)) ++next;
+                if (!fits_within(b, axis)) return false;
+                if (next != coordinates_.end() && *next == wanted &&
+                    !fits_across(b, static_cast<std::size_t>(next - coordinates_.begin()), axis))
+                    return false;
+            }
+        }
+        for (std::size_t b = begin; b < end; ++b)
+            if (!fits_row(b)) return false;
+        return true;
     }
 
-    /// Each sample with its neighbours at higher x, y and z, in this block or the next.
-    bool fits_neighbours(const FieldBlock& block) const {
-        for (int axis = 0; axis < 3; ++axis) {
-            const Index3 step = Index3::Unit(axis);
-            const auto next = std::ranges::lower_bound(blocks_, Index3(block.coordinate + step),
-                                                       zyx_less, &FieldBlock::coordinate);
-            const bool has_next =
-                next != blocks_.end() && next->coordinate == block.coordinate + step;
+    bool are_far(float a, float b) const { return std::abs(a) + std::abs(b) > least_sum_; }
+
+    bool fits_within(std::size_t b, int axis) const {
+        constexpr std::uint64_t all_but_last_column = 0x7f7f7f7f7f7f7f7f;
+        const auto& words = negative_[b].words;
+        for (int z = 0; z < block_size; ++z) {
+            std::uint64_t changes = 0;
+            if (axis == 0) changes = (words[z] ^ words[z] >> 1) & all_but_last_column;
+            if (axis == 1) changes = (words[z] ^ words[z] >> block_size) & ~std::uint64_t{0} >> 8;
+            if (axis == 2) changes = z + 1 < block_size ? words[z] ^ words[z + 1] : 0;
             const int stride = axis == 0 ? 1 : axis == 1 ? block_size : block_size * block_size;
-            for (int i = 0; i < samples_per_block; ++i) {
-                const bool is_last = i / stride % block_size == block_size - 1;
-                if (is_last && !has_next) continue;
-                const float neighbour = is_last ? next->values[i - (block_size - 1) * stride]
-                                                : block.values[i + stride];
-                if (disagree(block.values[i], neighbour)) return false;
+            for (; changes != 0; changes &= changes - 1) {
+                const int i = 64 * z + std::countr_zero(changes);
+                if (are_far(blocks_[b].values[i], blocks_[b].values[i + stride])) return false;
             }
+        }
+        return true;
+    }
+
+    /// The last layer of block b and the first of its neighbour.
+    bool fits_across(std::size_t b, std::size_t neighbour, int axis) const {
+        const int stride = axis == 0 ? 1 : axis == 1 ? block_size : block_size * block_size;
+        const int u = axis == 0 ? block_size : 1;
+        const int v = axis == 2 ? block_size : block_size * block_size;
+        for (int k = 0; k < block_size * block_size; ++k) {
+            const int near = k % block_size * u + k / block_size * v;
+            const int far = near + (block_size - 1) * stride;
+            if (negative_[b][far] != negative_[neighbour][near] &&
+                are_far(blocks_[b].values[far], blocks_[neighbour].values[near]))
+                return false;
         }
         return true;
     }
 
     /// What the field's rule gives beyond this block against the next stored one, or + at the end.
     bool fits_row(std::size_t b) const {
-        const Index3& here = blocks_[b].coordinate;
+        const Index3& here = coordinates_[b];
         const bool is_row_end =
-            b + 1 == blocks_.size() || blocks_[b + 1].coordinate.tail<2>() != here.tail<2>();
+            b + 1 == blocks_.size() || coordinates_[b + 1].tail<2>() != here.tail<2>();
         const bool is_inside = is_inside_beyond(blocks_[b]);
         if (is_row_end) return !is_inside;
-        const FieldBlock& next = blocks_[b + 1];
-        return next.coordinate.x() == here.x() + 1 || is_inside == (next.values[0] < 0);
+        return coordinates_[b + 1].x() == here.x() + 1 || is_inside == negative_[b + 1][0];
     }
 
-    const std::vector<FieldBlock>& blocks_;
+    const FieldBlocks& blocks_;
     double least_sum_;
+    // Apart from the samples, so that the search touches little memory.
+    std::vector<Index3> coordinates_;
+    std::vector<SampleBits> negative_;
 };
 
 } // namespace
 
-bool signs_are_consistent(const std::vector<FieldBlock>& blocks, double voxel_size_world) {
+bool signs_are_consistent(const FieldBlocks& blocks, double voxel_size_world) {
     return SignCheck(blocks, voxel_size_world).run();
 }
 
-void sign_by_winding_number(std::vector<FieldBlock>& blocks, const WindingNumber& winding,
-                            float background_world, const Progress& progress) {
+void sign_by_winding_number(FieldBlocks& blocks, const WindingNumber& winding,
+                            double voxel_size_world, float background_world,
+                            const Progress& progress) {
     ProgressMeter meter(progress, "signs", static_cast<double>(blocks.size()), 16);
     tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
         FieldBlock& block = blocks[b];
-        for (int i = 0; i < samples_per_block; ++i) {
-            if (!block.active[i]) continue;
-            const Index3 sample =
-                block_size * block.coordinate +
-                Index3(i % block_size, i / block_size % block_size, i / (block_size * block_size));
-            const float distance = std::abs(block.values[i]);
-            block.values[i] = winding.is_inside(sample.cast<double>()) ? -distance : distance;
-        }
-        spread_signs(block, background_world);
+        for (float& value : block.values) value = std::abs(value);
+        const SampleBits active = active_bits(block);
+        SampleBits negative = winding_signs(block.values, active, voxel_size_world, winding,
+                                            block_size * block.coordinate.cast<double>());
+        spread(active, negative);
+        apply_signs(block, active, negative, background_world);
         meter.add(1);
     });
 }

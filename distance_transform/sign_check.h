@@ -16,12 +16,13 @@ namespace isocast {
 /// out.
 ///
 /// blocks  sorted by z, y, x
-bool signs_are_consistent(const std::vector<FieldBlock>& blocks, double voxel_size_world);
+bool signs_are_consistent(const FieldBlocks& blocks, double voxel_size_world);
 
 /// Gives all samples the sign of the winding number, and keeps their distances.
 ///
 /// winding  in voxels from the samples' origin
-void sign_by_winding_number(std::vector<FieldBlock>& blocks, const WindingNumber& winding,
-                            float background_world, const Progress& progress);
+void sign_by_winding_number(FieldBlocks& blocks, const WindingNumber& winding,
+                            double voxel_size_world, float background_world,
+                            const Progress& progress);
 
 } // namespace isocast

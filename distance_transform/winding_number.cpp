@@ -48,7 +48,7 @@ double half_solid_angle(std::span<const std::array<Vec3d, 3>> triangles, const V
 
 } // namespace
 
-WindingNumber::WindingNumber(const Mesh& mesh) {
+WindingNumber::WindingNumber(const Mesh& mesh, bool is_closed) : is_closed_(is_closed) {
     triangles_.reserve(mesh.triangles.size());
     for (const auto& [a, b, c] : mesh.triangles)
         triangles_.push_back(

@@ -16,7 +16,10 @@ namespace isocast {
 ///           (WindingNumber.AgreesWithTheSumOverAllTriangles asserts 0.1)
 class WindingNumber {
 public:
-    explicit WindingNumber(const Mesh& mesh);
+    /// is_closed  whether the mesh is closed and oriented, so that the number changes only at the
+    ///            surface
+    WindingNumber(const Mesh& mesh, bool is_closed);
+    bool changes_only_at_the_surface() const { return is_closed_; }
     double at(const Vec3d& p) const;
     bool is_inside(const Vec3d& p) const { return at(p) > 0.5; }
 
@@ -32,7 +35,8 @@ private:
     void build(std::int32_t first, std::int32_t count);
 
     std::vector<std::array<Vec3d, 3>> triangles_; // a leaf's triangles stand together
-    std::vector<Node> nodes_;                     // in depth-first order
+    bool is_closed_;
+    std::vector<Node> nodes_; // in depth-first order
 };
 
 } // namespace isocast

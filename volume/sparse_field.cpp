@@ -19,7 +19,7 @@ namespace isocast {
 namespace {
 
 /// Sorts by z, y, x without a second copy of the samples.
-void sort_blocks(std::vector<FieldBlock>& blocks) {
+void sort_blocks(FieldBlocks& blocks) {
     const auto coordinate = [&](std::size_t i) -> const Index3& { return blocks[i].coordinate; };
     if (std::ranges::is_sorted(blocks, zyx_less, &FieldBlock::coordinate)) return;
     std::vector<std::size_t> from(blocks.size());
@@ -53,7 +53,7 @@ IndexBox blocks_over(const IndexBox& box) {
 }
 
 SparseField::SparseField(GridSpace space, double background_world, Outside outside,
-                         std::vector<FieldBlock> blocks)
+                         FieldBlocks blocks)
     : space_(std::move(space)), background_world_(background_world), outside_(outside),
       blocks_(std::move(blocks)) {
     if (outside_ == Outside::SignedBackground && !(background_world_ > 0)) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "volume/field_source.h"
+#include "volume/fresh_memory.h"
 
 #include <array>
 #include <bitset>
@@ -23,6 +24,9 @@ struct FieldBlock {
     /// Samples in the band.
     std::bitset<samples_per_block> active;
 };
+
+/// Resizing leaves new blocks as raw memory: construct each before use.
+using FieldBlocks = std::vector<FieldBlock, FreshMemory<FieldBlock>>;
 
 /// What a sample has where no block is stored.
 enum class Outside {
@@ -53,8 +57,7 @@ public:
     /// blocks            in any order, each coordinate once
     /// background_world  > 0: the half width for signed distance fields
     /// throws            InputError if a block occurs twice, or a signed field has no half width
-    SparseField(GridSpace space, double background_world, Outside outside,
-                std::vector<FieldBlock> blocks);
+    SparseField(GridSpace space, double background_world, Outside outside, FieldBlocks blocks);
 
     const GridSpace& space() const override { return space_; }
     /// The box of the blocks; with Outside::Background two samples more on each side, so that the
@@ -85,7 +88,7 @@ private:
     GridSpace space_;
     double background_world_;
     Outside outside_;
-    std::vector<FieldBlock> blocks_;
+    FieldBlocks blocks_;
     // Per block, apart from the samples so that a search touches little memory.
     std::vector<Index3> coordinates_;
     std::vector<ValueRange> ranges_;

@@ -87,7 +87,7 @@ SparseField to_sparse(const FieldSource& field, const Progress& progress) {
     }
     const std::size_t row_count = row_begin.size();
     row_begin.push_back(candidates.size());
-    std::vector<std::vector<FieldBlock>> rows(row_count);
+    std::vector<FieldBlocks> rows(row_count);
     std::atomic<std::size_t> done = 0;
     tbb::parallel_for(std::size_t{0}, row_count, [&](std::size_t row) {
         bool inside = false;
@@ -112,10 +112,10 @@ SparseField to_sparse(const FieldSource& field, const Progress& progress) {
             progress("blocks", static_cast<double>(count) / static_cast<double>(row_count));
         }
     });
-    std::vector<FieldBlock> blocks;
-    for (std::vector<FieldBlock>& row : rows) {
+    FieldBlocks blocks;
+    for (FieldBlocks& row : rows) {
         blocks.insert(blocks.end(), row.begin(), row.end());
-        std::vector<FieldBlock>().swap(row);
+        FieldBlocks().swap(row);
     }
     return {field.space(), background, half_width ? Outside::SignedBackground : Outside::Background,
             std::move(blocks)};

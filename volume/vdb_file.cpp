@@ -231,14 +231,14 @@ FieldBlock constant_block(const Index3& coordinate, float value, bool active) {
 }
 
 template<class Tree>
-std::vector<FieldBlock> blocks_of_leaves(const Tree& tree) {
+FieldBlocks blocks_of_leaves(const Tree& tree) {
     using Leaf = typename Tree::LeafNodeType;
     std::vector<const Leaf*> leaves;
     leaves.reserve(tree.leafCount());
     tree.getNodes(leaves);
-    std::vector<FieldBlock> blocks(leaves.size());
+    FieldBlocks blocks(leaves.size());
     tbb::parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t i) {
-        FieldBlock& block = blocks[i];
+        FieldBlock& block = *std::construct_at(&blocks[i]);
         block.coordinate = floor_div(to_index(leaves[i]->origin()), block_size);
         for (vdb::Index offset = 0; offset < Leaf::SIZE; ++offset) {
             const std::size_t place = place_of(offset);
@@ -256,8 +256,7 @@ IndexBox blocks_of_tile(const vdb::CoordBBox& box) {
 /// Adds constant blocks for the tiles that hold neither background nor, in signed fields, its
 /// opposite. Returns the boxes [blocks] of the inactive tiles of that opposite: the inside.
 template<class Tree>
-std::vector<IndexBox> expand_tiles(const Tree& tree, bool is_signed,
-                                   std::vector<FieldBlock>& blocks) {
+std::vector<IndexBox> expand_tiles(const Tree& tree, bool is_signed, FieldBlocks& blocks) {
     std::vector<IndexBox> inside;
     std::size_t expanded = 0;
     auto tile = tree.cbeginValueAll();
@@ -303,8 +302,7 @@ int end_of_tile(const Accessor& accessor, const vdb::Coord& at) {
 /// blocks  sorted by z, y, x on entry
 /// inside  boxes [blocks] of the tiles of the inside
 template<class Tree>
-void add_sign_blocks(const Tree& tree, const std::vector<IndexBox>& inside,
-                     std::vector<FieldBlock>& blocks) {
+void add_sign_blocks(const Tree& tree, const std::vector<IndexBox>& inside, FieldBlocks& blocks) {
     const auto background = static_cast<float>(tree.background());
     std::set<std::pair<int, int>> rows; // (z, y)
     int x_begin = std::numeric_limits<int>::max();
@@ -322,7 +320,7 @@ void add_sign_blocks(const Tree& tree, const std::vector<IndexBox>& inside,
         x_end = std::max(x_end, box.hi.x());
     }
     const vdb::tree::ValueAccessor<const Tree> accessor(tree);
-    std::vector<FieldBlock> added;
+    FieldBlocks added;
     std::size_t next = 0; // the first block that is not before the place looked at
     for (const auto& [z, y] : rows) {
         const auto next_is_in_row = [&, z = z, y = y] {
@@ -359,7 +357,7 @@ SparseField to_field(const Grid& grid) {
     if (is_signed && !(background > 0)) {
         throw InputError(fmt::format("a level set with background {}, not above 0", background));
     }
-    std::vector<FieldBlock> blocks = blocks_of_leaves(grid.tree());
+    FieldBlocks blocks = blocks_of_leaves(grid.tree());
     const std::vector<IndexBox> inside = expand_tiles(grid.tree(), is_signed, blocks);
     if (!std::ranges::is_sorted(blocks, zyx_less, &FieldBlock::coordinate)) {
         std::ranges::sort(blocks, zyx_less, &FieldBlock::coordinate);

@@ -84,7 +84,7 @@ TEST(ActiveBlocks, EqualBruteForceInABandIncludingBlocksThatAreNotStored) {
 
 TEST(ActiveBlocks, OfAnUnsignedSparseFieldIncludeTheStepToItsBackground) {
     Random random(2);
-    std::vector<FieldBlock> blocks = test::random_blocks(random, 1, 0.3, 1.0f);
+    FieldBlocks blocks = test::random_blocks(random, 1, 0.3, 1.0f);
     for (FieldBlock& block : blocks) {
         for (float& value : block.values) value = std::abs(value) / 2;
     }

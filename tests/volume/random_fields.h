@@ -45,9 +45,9 @@ inline DenseField random_dense(Random& random, const IndexBox& extent) {
 
 /// Blocks with coordinates in [-reach, reach]^3, each there with `probability`. Half of them hold
 /// noise, a quarter one constant ± background, a quarter ± background at random.
-inline std::vector<FieldBlock> random_blocks(Random& random, int reach, double probability,
+inline FieldBlocks random_blocks(Random& random, int reach, double probability,
                                              float background) {
-    std::vector<FieldBlock> blocks;
+    FieldBlocks blocks;
     const auto sign = [&] { return random_int(random, 0, 1) == 0 ? -background : background; };
     for (int z = -reach; z <= reach; ++z) {
         for (int y = -reach; y <= reach; ++y) {

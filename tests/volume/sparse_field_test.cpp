@@ -20,7 +20,7 @@ constexpr float background = 2.5f;
 /// The documented rule, word by word: one sample at a time, with a walk to lower x.
 class Oracle {
 public:
-    Oracle(const std::vector<FieldBlock>& blocks, Outside outside) : outside_(outside) {
+    Oracle(const FieldBlocks& blocks, Outside outside) : outside_(outside) {
         for (const FieldBlock& block : blocks) blocks_[key(block.coordinate)] = block;
     }
 
@@ -51,7 +51,7 @@ class SparseFieldRule : public testing::TestWithParam<Outside> {};
 TEST_P(SparseFieldRule, GivesEverySampleAtEveryLevel) {
     Random random(1);
     for (int i = 0; i < 60; ++i) {
-        const std::vector<FieldBlock> blocks = test::random_blocks(random, 2, 0.2, background);
+        const FieldBlocks blocks = test::random_blocks(random, 2, 0.2, background);
         const SparseField field(GridSpace::uniform(1), background, GetParam(), blocks);
         const Oracle oracle(blocks, GetParam());
         for (int j = 0; j < 6; ++j) {
@@ -90,7 +90,7 @@ TEST_P(SparseFieldRule, ValueRangeHoldsEverySample) {
 
 TEST_P(SparseFieldRule, ActiveBoxesHoldTheBlocksEachOnce) {
     Random random(3);
-    const std::vector<FieldBlock> blocks = test::random_blocks(random, 3, 0.4, background);
+    const FieldBlocks blocks = test::random_blocks(random, 3, 0.4, background);
     const SparseField field(GridSpace::uniform(1), background, GetParam(), blocks);
     std::map<std::tuple<int, int, int>, int> times;
     for (const IndexBox& box : field.active_boxes()) {
@@ -110,7 +110,7 @@ INSTANTIATE_TEST_SUITE_P(Both, SparseFieldRule,
 
 TEST(SparseField, SortsItsBlocksAndKeepsTheirContents) {
     Random random(4);
-    std::vector<FieldBlock> blocks = test::random_blocks(random, 3, 0.5, background);
+    FieldBlocks blocks = test::random_blocks(random, 3, 0.5, background);
     const SparseField field(GridSpace::uniform(1), background, Outside::SignedBackground, blocks);
     std::ranges::sort(blocks, zyx_less, &FieldBlock::coordinate);
     ASSERT_EQ(field.blocks().size(), blocks.size());

@@ -1,0 +1,111 @@
+// Mesh to band: isocast beside OpenVDB, in one run on one grid.
+// SPDX-License-Identifier: MPL-2.0
+#include "distance_transform/convert.h"
+#include "distance_transform/mesh_files.h"
+#include "distance_transform/sample_meshes.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/MeshToVolume.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+
+namespace {
+
+using namespace isocast;
+
+/// Median of `repeats` runs after one to warm up [s].
+template<class Work>
+double median_seconds(int repeats, const Work& work) {
+    work();
+    std::vector<double> seconds;
+    for (int i = 0; i < repeats; ++i) {
+        const auto start = std::chrono::steady_clock::now();
+        work();
+        seconds.push_back(
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    }
+    std::ranges::nth_element(seconds, seconds.begin() + repeats / 2);
+    return seconds[repeats / 2];
+}
+
+struct VdbInput {
+    std::vector<openvdb::Vec3s> points;
+    std::vector<openvdb::Vec3I> triangles;
+};
+
+VdbInput vdb_input(const Mesh& mesh) {
+    VdbInput input;
+    for (const Vec3d& p : mesh.vertices_world)
+        input.points.emplace_back(float(p.x()), float(p.y()), float(p.z()));
+    for (const auto& [a, b, c] : mesh.triangles) input.triangles.emplace_back(a, b, c);
+    return input;
+}
+
+struct Case {
+    std::string name;
+    int resolution;
+    double half_width_voxels;
+};
+
+void run_case(const Mesh& mesh, const Case& c, int repeats, bool with_openvdb) {
+    // The voxel size of the published comparisons: longest side / (N - 9).
+    const double voxel = bounding_box(mesh).size().maxCoeff() / (c.resolution - 9);
+    const double half_width =
+        c.half_width_voxels > 0 ? c.half_width_voxels : 0.1 * (c.resolution - 9);
+    const ConvertOptions options{.voxel_size_world = voxel, .half_width_voxels = half_width};
+    std::optional<ConvertResult> result;
+    double check_seconds = 0;
+    const double ours = median_seconds(repeats, [&] {
+        const auto start = std::chrono::steady_clock::now();
+        const CheckedMesh checked = check(mesh);
+        check_seconds =
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        result.reset();
+        result.emplace(convert(checked, options));
+    });
+    const double active = double(result->field.active_voxel_count());
+    fmt::print("{:<12} {:>5} {:>6.1f} {:>10.0f} {:>8.4f} {:>8.4f} {:>8.4f} {:>8.4f} {:>7.2f}",
+               c.name, c.resolution, half_width, active, ours, check_seconds,
+               result->time.prepare_seconds, result->time.transform_seconds,
+               double(result->distance_evaluations) / active);
+    if (with_openvdb) {
+        const VdbInput input = vdb_input(mesh);
+        const auto transform = openvdb::math::Transform::createLinearTransform(voxel);
+        const double theirs = median_seconds(repeats, [&] {
+            const auto grid = openvdb::tools::meshToLevelSet<openvdb::FloatGrid>(
+                *transform, input.points, input.triangles, float(half_width));
+        });
+        fmt::print(" {:>8.4f} {:>7.1f}", theirs, theirs / ours);
+    }
+    fmt::print("\n");
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    CLI::App app("Mesh to band: isocast beside OpenVDB");
+    std::string path;
+    int threads = 2;
+    int repeats = 3;
+    bool no_openvdb = false;
+    int only = 0;
+    app.add_option("MESH", path, "Mesh file")->required();
+    app.add_option("--threads", threads);
+    app.add_option("--repeats", repeats);
+    app.add_flag("--no-openvdb", no_openvdb);
+    app.add_option("--only", only, "Resolution");
+    CLI11_PARSE(app, argc, argv);
+    openvdb::initialize();
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+    const Mesh mesh = read_mesh(path);
+    fmt::print("{:<12} {:>5} {:>6} {:>10} {:>8} {:>8} {:>8} {:>8} {:>7} {:>8} {:>7}\n", "case", "N",
+               "half", "active", "total s", "check", "prepare", "transf", "evals", "OpenVDB",
+               "ratio");
+    for (const Case& c : {Case{"256/3", 256, 3}, Case{"512/3", 512, 3}, Case{"256/10%", 256, 0}})
+        if (only == 0 || only == c.resolution) run_case(mesh, c, repeats, !no_openvdb);
+}

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
-#include "distance_transform/mesh.h"
+#include "distance_transform/checked_mesh.h"
 #include "volume/field_source.h"
 
 #include <filesystem>

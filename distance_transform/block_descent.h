@@ -23,7 +23,7 @@ struct DescentOutput {
     alignas(64) double squared_distance[512]; // 1e300 beyond the half width
     /// Of the sample over the plane of its nearest triangle, along its normal.
     alignas(64) double height[512];
-    /// Number of the nearest frame; of equally near ones any.
+    /// Place of the nearest triangle among the candidates; of equally near ones any.
     int triangle[512];
 };
 

@@ -34,8 +34,9 @@ std::int64_t BlockTransform::run(FieldBlock& block, std::span<const int> triangl
     if (const auto* normals = std::get_if<Pseudonormals>(&sign_)) {
         for_each_bit(bits_of_rows(rows.unsure), [&](int i) {
             const Vec3d point = origin + sample_of(i).cast<double>();
-            const LocalClosest closest = closest_feature(frames_[nearest.triangle[i]], point);
-            if (closest.offset.dot(normals->at(nearest.triangle[i], closest.feature)) < 0)
+            const int triangle = triangles[nearest.triangle[i]];
+            const LocalClosest closest = closest_feature(frames_[triangle], point);
+            if (closest.offset.dot(normals->at(triangle, closest.feature)) < 0)
                 negative.set(i);
         });
     } else {

@@ -70,8 +70,9 @@ SignMethod chosen_sign(const MeshVerdict& verdict, SignMethod wanted,
     return has_normals ? SignMethod::Normal : SignMethod::Winding;
 }
 
-SignOracle sign_oracle(const Mesh& mesh, SignMethod method, bool is_closed) {
-    if (method == SignMethod::Normal) return Pseudonormals(mesh);
+SignOracle sign_oracle(const Mesh& mesh, const MeshTopology& topology, SignMethod method,
+                       bool is_closed) {
+    if (method == SignMethod::Normal) return Pseudonormals(mesh, topology);
     return WindingNumber(mesh, is_closed);
 }
 
@@ -118,7 +119,7 @@ ConvertResult convert(const CheckedMesh& input, const ConvertOptions& options,
     std::optional<SignOracle> sign;
     std::vector<TriangleFrame> frames;
     BandBlocks band;
-    tbb::parallel_invoke([&] { sign = sign_oracle(lattice.mesh, method, is_closed); },
+    tbb::parallel_invoke([&] { sign = sign_oracle(lattice.mesh, input.topology, method, is_closed); },
                          [&] {
                              frames = triangle_frames(lattice.mesh);
                              band = find_band_blocks(lattice, frames, half_width, memory, progress);

@@ -1,103 +1,139 @@
-// Eight doubles side by side, in as many registers as the instruction set asks for.
+// Eight numbers side by side, in as many registers as the instruction set asks for.
 //
 // Included inside a namespace of its own for each instruction set; knows builtin types only.
 
 #if defined(__AVX512F__)
-constexpr int native_lanes = 8;
+constexpr int register_bytes = 64;
 #elif defined(__AVX__)
-constexpr int native_lanes = 4;
+constexpr int register_bytes = 32;
 #else
-constexpr int native_lanes = 2;
+constexpr int register_bytes = 16;
 #endif
 constexpr int lanes = 8;
-constexpr int part_count = lanes / native_lanes;
-
-typedef double NativeDouble __attribute__((vector_size(8 * native_lanes)));
-typedef long long NativeMask __attribute__((vector_size(8 * native_lanes)));
 
 #define ISOCAST_INLINE inline __attribute__((always_inline))
 #define ISOCAST_PARTS(k) for (int k = 0; k < part_count; ++k)
 
-struct Mask {
-    NativeMask part[part_count];
+template<class T>
+struct IntegerLike;
+template<>
+struct IntegerLike<double> {
+    using Type = long long;
+};
+template<>
+struct IntegerLike<float> {
+    using Type = int;
 };
 
-struct Lanes {
-    NativeDouble part[part_count];
-    Lanes() = default;
-    ISOCAST_INLINE Lanes(double x) {
-        ISOCAST_PARTS(k) part[k] = NativeDouble{} + x;
+template<class T>
+constexpr int native_bytes = register_bytes < lanes * int(sizeof(T)) ? register_bytes
+                                                                     : lanes * int(sizeof(T));
+
+template<class T>
+struct Mask {
+    typedef typename IntegerLike<T>::Type Native __attribute__((vector_size(native_bytes<T>)));
+    static constexpr int native_lanes = native_bytes<T> / int(sizeof(T));
+    static constexpr int part_count = lanes / native_lanes;
+    Native part[part_count];
+
+    friend ISOCAST_INLINE Mask operator&(const Mask& a, const Mask& b) {
+        Mask result;
+        ISOCAST_PARTS(k) result.part[k] = a.part[k] & b.part[k];
+        return result;
+    }
+    friend ISOCAST_INLINE Mask operator|(const Mask& a, const Mask& b) {
+        Mask result;
+        ISOCAST_PARTS(k) result.part[k] = a.part[k] | b.part[k];
+        return result;
     }
 };
 
+template<class T>
+struct Lanes {
+    typedef T Native __attribute__((vector_size(native_bytes<T>)));
+    static constexpr int native_lanes = Mask<T>::native_lanes;
+    static constexpr int part_count = Mask<T>::part_count;
+    Native part[part_count];
+
+    Lanes() = default;
+    ISOCAST_INLINE Lanes(T x) {
+        ISOCAST_PARTS(k) part[k] = Native{} + x;
+    }
+
 #define ISOCAST_LANES_OPERATOR(op)                                                                 \
-    ISOCAST_INLINE Lanes operator op(const Lanes& a, const Lanes& b) {                             \
+    friend ISOCAST_INLINE Lanes operator op(const Lanes& a, const Lanes& b) {                      \
         Lanes result;                                                                              \
         ISOCAST_PARTS(k) result.part[k] = a.part[k] op b.part[k];                                  \
         return result;                                                                             \
     }
-ISOCAST_LANES_OPERATOR(+)
-ISOCAST_LANES_OPERATOR(-)
-ISOCAST_LANES_OPERATOR(*)
-ISOCAST_LANES_OPERATOR(/)
+    ISOCAST_LANES_OPERATOR(+)
+    ISOCAST_LANES_OPERATOR(-)
+    ISOCAST_LANES_OPERATOR(*)
+    ISOCAST_LANES_OPERATOR(/)
 #undef ISOCAST_LANES_OPERATOR
 
 #define ISOCAST_LANES_COMPARISON(op)                                                               \
-    ISOCAST_INLINE Mask operator op(const Lanes& a, const Lanes& b) {                              \
-        Mask result;                                                                               \
+    friend ISOCAST_INLINE Mask<T> operator op(const Lanes& a, const Lanes& b) {                    \
+        Mask<T> result;                                                                            \
         ISOCAST_PARTS(k) result.part[k] = a.part[k] op b.part[k];                                  \
         return result;                                                                             \
     }
-ISOCAST_LANES_COMPARISON(<)
-ISOCAST_LANES_COMPARISON(<=)
-ISOCAST_LANES_COMPARISON(==)
+    ISOCAST_LANES_COMPARISON(<)
+    ISOCAST_LANES_COMPARISON(<=)
+    ISOCAST_LANES_COMPARISON(==)
 #undef ISOCAST_LANES_COMPARISON
 
-ISOCAST_INLINE Mask operator&(const Mask& a, const Mask& b) {
-    Mask result;
-    ISOCAST_PARTS(k) result.part[k] = a.part[k] & b.part[k];
-    return result;
-}
-ISOCAST_INLINE Mask operator|(const Mask& a, const Mask& b) {
-    Mask result;
-    ISOCAST_PARTS(k) result.part[k] = a.part[k] | b.part[k];
-    return result;
-}
-ISOCAST_INLINE Lanes select(const Mask& m, const Lanes& a, const Lanes& b) {
-    Lanes result;
-    ISOCAST_PARTS(k) result.part[k] = m.part[k] ? a.part[k] : b.part[k];
-    return result;
-}
-ISOCAST_INLINE Lanes min(const Lanes& a, const Lanes& b) { return select(a < b, a, b); }
-ISOCAST_INLINE Lanes max(const Lanes& a, const Lanes& b) { return select(b < a, a, b); }
-ISOCAST_INLINE Lanes sqrt(const Lanes& a) {
-    Lanes result;
-    ISOCAST_PARTS(k)
-        for (int i = 0; i < native_lanes; ++i) result.part[k][i] = __builtin_sqrt(a.part[k][i]);
-    return result;
-}
-ISOCAST_INLINE double lane(const Lanes& a, int i) {
-    return a.part[i / native_lanes][i % native_lanes];
-}
-ISOCAST_INLINE Lanes load(const double* p) {
-    Lanes result;
+    friend ISOCAST_INLINE Lanes select(const Mask<T>& m, const Lanes& a, const Lanes& b) {
+        Lanes result;
+        ISOCAST_PARTS(k) result.part[k] = m.part[k] ? a.part[k] : b.part[k];
+        return result;
+    }
+    friend ISOCAST_INLINE Lanes min(const Lanes& a, const Lanes& b) { return select(a < b, a, b); }
+    friend ISOCAST_INLINE Lanes max(const Lanes& a, const Lanes& b) { return select(b < a, a, b); }
+    friend ISOCAST_INLINE Lanes sqrt(const Lanes& a) {
+        Lanes result;
+        ISOCAST_PARTS(k)
+            for (int i = 0; i < native_lanes; ++i)
+                result.part[k][i] = sizeof(T) == 8 ? T(__builtin_sqrt(a.part[k][i]))
+                                                   : T(__builtin_sqrtf(a.part[k][i]));
+        return result;
+    }
+    friend ISOCAST_INLINE T lane(const Lanes& a, int i) {
+        return a.part[i / native_lanes][i % native_lanes];
+    }
+    friend ISOCAST_INLINE void store(T* p, const Lanes& a) { __builtin_memcpy(p, &a, sizeof a); }
+};
+
+template<class T>
+ISOCAST_INLINE Lanes<T> load(const T* p) {
+    Lanes<T> result;
     __builtin_memcpy(&result, p, sizeof result);
     return result;
 }
-ISOCAST_INLINE void store(double* p, const Lanes& a) { __builtin_memcpy(p, &a, sizeof a); }
 
 /// Bit i is set where lane i is true.
-ISOCAST_INLINE unsigned bits(const Mask& m) {
+template<class T>
+ISOCAST_INLINE unsigned bits(const Mask<T>& m) {
     unsigned result = 0;
-    ISOCAST_PARTS(k) {
-#if defined(__AVX512F__)
-        result = (unsigned)_mm512_cmplt_epi64_mask((__m512i)m.part[k], _mm512_setzero_si512());
-#elif defined(__AVX__)
-        result |= (unsigned)_mm256_movemask_pd((__m256d)m.part[k]) << (k * native_lanes);
-#else
-        for (int i = 0; i < native_lanes; ++i)
-            result |= (unsigned)(m.part[k][i] < 0) << (k * native_lanes + i);
+    for (int k = 0; k < Mask<T>::part_count; ++k) {
+#if defined(__AVX__)
+        if constexpr (sizeof m.part[0] == 32) {
+            const int part = sizeof(T) == 8 ? _mm256_movemask_pd((__m256d)m.part[k])
+                                            : _mm256_movemask_ps((__m256)m.part[k]);
+            result |= unsigned(part) << k * Mask<T>::native_lanes;
+            continue;
+        }
 #endif
+#if defined(__AVX512F__)
+        if constexpr (sizeof m.part[0] == 64) {
+            result = _mm512_movepi64_mask((__m512i)m.part[k]);
+            continue;
+        }
+#endif
+        for (int i = 0; i < Mask<T>::native_lanes; ++i)
+            result |= unsigned(m.part[k][i] < 0) << (k * Mask<T>::native_lanes + i);
     }
     return result;
 }
+
+#undef ISOCAST_PARTS

@@ -1,11 +1,10 @@
-// A triangle mesh in double precision, and the report of its condition.
+// A triangle mesh in double precision.
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
 #include "volume/grid_space.h"
 
 #include <array>
-#include <string>
 #include <vector>
 
 namespace isocast {
@@ -24,44 +23,5 @@ struct WorldBox {
 
 /// Box of the vertices that triangles use. Needs at least one triangle.
 WorldBox bounding_box(const Mesh& mesh);
-
-/// What is true of a mesh, by count. Vertices at exactly the same position are one vertex here,
-/// so that unindexed soups get their topology.
-struct MeshVerdict {
-    int vertices = 0;              // as given
-    int triangles = 0;             // as given
-    int unreferenced_vertices = 0; // used by no triangle
-    int duplicate_vertices = 0;    // at exactly the position of another one in use
-    int degenerate_triangles = 0;  // two equal corners, or area exactly 0 in double
-    int duplicate_triangles = 0;   // same three vertices as an earlier one, in either orientation
-    int boundary_edges = 0;        // used by one triangle
-    int boundary_loops = 0;        // holes: connected components of the boundary edges
-    int non_manifold_edges = 0;    // used by three triangles or more
-    int flipped_edges = 0;         // used twice in the same direction
-    int non_manifold_vertices = 0; // triangles around them form more than one fan
-    int shells = 0;                // components connected through edges
-    double volume_world = 0;       // signed; meaningful if closed and oriented
-    bool reversed = false;         // was closed with negative volume; orientation was turned
-
-    bool is_closed() const { return boundary_edges == 0 && non_manifold_edges == 0; }
-    bool is_oriented() const { return flipped_edges == 0; }
-    bool is_manifold() const { return non_manifold_edges == 0 && non_manifold_vertices == 0; }
-    /// One line, e.g. "closed, oriented, manifold" or "open: 223 boundary edges in 5 holes".
-    std::string summary() const;
-};
-
-/// A mesh ready for the transform, and what was found on the way.
-struct CheckedMesh {
-    /// Vertices merged by position, degenerate and duplicate triangles removed, unused vertices
-    /// dropped, orientation turned if the mesh was inside out.
-    Mesh mesh;
-    MeshVerdict verdict;
-    /// One sentence each, for the user.
-    std::vector<std::string> warnings;
-};
-
-/// Examines and cleans a mesh.
-/// throws  InputError if no triangle remains
-CheckedMesh check(const Mesh& mesh);
 
 } // namespace isocast

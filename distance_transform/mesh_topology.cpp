@@ -1,11 +1,11 @@
-// Which triangles of a mesh meet: edges by sorting, fans and shells by disjoint sets.
+// Which triangles of a mesh meet: edges by their lesser vertex, fans and shells by disjoint sets.
 // SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/mesh_topology.h"
 
 #include "volume/errors.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_sort.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <limits>
@@ -34,8 +34,7 @@ void DisjointSets::unite(int a, int b) {
 namespace {
 
 struct EdgeUse {
-    int least; // vertices of the edge
-    int greatest;
+    int greatest; // of the edge's vertices
     std::uint32_t halfedge;
     auto operator<=>(const EdgeUse&) const = default;
 };
@@ -54,30 +53,36 @@ MeshTopology topology_of(const Mesh& mesh) {
     if (corner_count > std::numeric_limits<int>::max())
         throw ResourceError(
             fmt::format("the mesh has too many triangles ({})", mesh.triangles.size()));
+    const auto ends = [&](std::uint32_t h) {
+        return std::minmax({halfedge_from(mesh, h), halfedge_to(mesh, h)});
+    };
+    const Buckets by_least = buckets_of(
+        corner_count, mesh.vertices_world.size(),
+        [&](std::size_t h) { return ends(static_cast<std::uint32_t>(h)).first; });
     std::vector<EdgeUse> uses(corner_count);
-    for (std::uint32_t h = 0; h < corner_count; ++h) {
-        const auto [least, greatest] = std::minmax({halfedge_from(mesh, h), halfedge_to(mesh, h)});
-        uses[h] = {least, greatest, h};
-    }
-    tbb::parallel_sort(uses.begin(), uses.end());
+    tbb::parallel_for(std::size_t{0}, mesh.vertices_world.size(), [&](std::size_t vertex) {
+        for (std::uint32_t i = by_least.begin[vertex]; i < by_least.begin[vertex + 1]; ++i)
+            uses[i] = {ends(by_least.order[i]).second, by_least.order[i]};
+        std::sort(uses.begin() + by_least.begin[vertex], uses.begin() + by_least.begin[vertex + 1]);
+    });
 
     MeshTopology topology;
     topology.halfedges.reserve(corner_count);
     DisjointSets fans(corner_count);
     DisjointSets shells(mesh.triangles.size());
-    for (std::uint32_t i = 0; i < corner_count; ++i) {
-        const EdgeUse& use = uses[i];
-        const bool is_first =
-            i == 0 || use.least != uses[i - 1].least || use.greatest != uses[i - 1].greatest;
-        topology.halfedges.push_back(use.halfedge);
-        if (is_first) {
-            topology.edge_begin.push_back(i);
-            continue;
+    for (int least = 0; least < std::ssize(mesh.vertices_world); ++least) {
+        for (std::uint32_t i = by_least.begin[least]; i < by_least.begin[least + 1]; ++i) {
+            const EdgeUse& use = uses[i];
+            topology.halfedges.push_back(use.halfedge);
+            if (i == by_least.begin[least] || use.greatest != uses[i - 1].greatest) {
+                topology.edge_begin.push_back(i);
+                continue;
+            }
+            const std::uint32_t before = uses[i - 1].halfedge;
+            for (const int vertex : {least, use.greatest})
+                fans.unite(corner_at(mesh, before, vertex), corner_at(mesh, use.halfedge, vertex));
+            shells.unite(static_cast<int>(before / 3), static_cast<int>(use.halfedge / 3));
         }
-        const std::uint32_t before = uses[i - 1].halfedge;
-        for (const int vertex : {use.least, use.greatest})
-            fans.unite(corner_at(mesh, before, vertex), corner_at(mesh, use.halfedge, vertex));
-        shells.unite(static_cast<int>(before / 3), static_cast<int>(use.halfedge / 3));
     }
     topology.edge_begin.push_back(static_cast<std::uint32_t>(corner_count));
 

@@ -38,6 +38,25 @@ inline int halfedge_to(const Mesh& mesh, std::uint32_t halfedge) {
     return mesh.triangles[halfedge / 3][(halfedge % 3 + 1) % 3];
 }
 
+/// The numbers 0 … count - 1 by key, each bucket's in ascending order: one pass to count, one to fill.
+struct Buckets {
+    std::vector<std::uint32_t> order;
+    /// Bucket k is order[begin[k]] … order[begin[k + 1] - 1].
+    std::vector<std::uint32_t> begin;
+};
+
+/// key  of a number, in 0 … key_count - 1
+template<class Key>
+Buckets buckets_of(std::size_t count, std::size_t key_count, const Key& key) {
+    Buckets buckets{std::vector<std::uint32_t>(count), std::vector<std::uint32_t>(key_count + 1)};
+    for (std::size_t i = 0; i < count; ++i) ++buckets.begin[key(i) + 1];
+    for (std::size_t k = 0; k < key_count; ++k) buckets.begin[k + 1] += buckets.begin[k];
+    std::vector<std::uint32_t> next(buckets.begin.begin(), buckets.begin.end() - 1);
+    for (std::size_t i = 0; i < count; ++i)
+        buckets.order[next[key(i)]++] = static_cast<std::uint32_t>(i);
+    return buckets;
+}
+
 /// Sets of integers that grow together (union by least member, path halving).
 class DisjointSets {
 public:

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/pseudonormals.h"
 
-#include "distance_transform/mesh_topology.h"
+#include <tbb/parallel_for.h>
 
 #include <cmath>
 
@@ -22,30 +22,31 @@ Vec3d face_normal(const std::array<Vec3d, 3>& corners) {
 
 } // namespace
 
-Pseudonormals::Pseudonormals(const Mesh& mesh) {
-    MeshTopology topology = topology_of(mesh);
-    of_fan_.assign(topology.fan_count, Vec3d::Zero());
-    of_face_.reserve(mesh.triangles.size());
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-        std::array<Vec3d, 3> corners;
-        for (int k = 0; k < 3; ++k) corners[k] = mesh.vertices_world[mesh.triangles[t][k]];
-        of_face_.push_back(face_normal(corners));
-        for (int k = 0; k < 3; ++k) {
-            const Vec3d u = corners[(k + 1) % 3] - corners[k];
-            const Vec3d v = corners[(k + 2) % 3] - corners[k];
-            const double angle = std::atan2(u.cross(v).norm(), u.dot(v));
-            of_fan_[topology.fan_of_corner[3 * t + k]] += angle * of_face_.back();
+Pseudonormals::Pseudonormals(const Mesh& mesh, const MeshTopology& topology)
+    : of_face_(mesh.triangles.size()), of_edge_(topology.edge_count(), Vec3d::Zero()),
+      of_fan_(topology.fan_count, Vec3d::Zero()), edge_of_halfedge_(topology.halfedges.size()),
+      fan_of_corner_(topology.fan_of_corner) {
+    std::vector<std::array<double, 3>> angles(mesh.triangles.size());
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, angles.size(), 1024), [&](auto& range) {
+        for (std::size_t t = range.begin(); t < range.end(); ++t) {
+            std::array<Vec3d, 3> corners;
+            for (int k = 0; k < 3; ++k) corners[k] = mesh.vertices_world[mesh.triangles[t][k]];
+            of_face_[t] = face_normal(corners);
+            for (int k = 0; k < 3; ++k) {
+                const Vec3d u = corners[(k + 1) % 3] - corners[k];
+                const Vec3d v = corners[(k + 2) % 3] - corners[k];
+                angles[t][k] = std::atan2(u.cross(v).norm(), u.dot(v));
+            }
         }
-    }
-    of_edge_.assign(topology.edge_count(), Vec3d::Zero());
-    edge_of_halfedge_.resize(topology.halfedges.size());
+    });
+    for (std::size_t c = 0; c < fan_of_corner_.size(); ++c)
+        of_fan_[fan_of_corner_[c]] += angles[c / 3][c % 3] * of_face_[c / 3];
     for (std::size_t e = 0; e < topology.edge_count(); ++e) {
         for (const std::uint32_t halfedge : topology.edge(e)) {
             of_edge_[e] += of_face_[halfedge / 3];
             edge_of_halfedge_[halfedge] = static_cast<int>(e);
         }
     }
-    fan_of_corner_ = std::move(topology.fan_of_corner);
 }
 
 const Vec3d& Pseudonormals::at(int triangle, Feature feature) const {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
-#include "distance_transform/mesh.h"
+#include "distance_transform/mesh_topology.h"
 #include "distance_transform/point_triangle.h"
 
 namespace isocast {
@@ -13,7 +13,9 @@ namespace isocast {
 /// source  Bærentzen & Aanæs 2005; at a vertex where several fans meet, one normal per fan
 class Pseudonormals {
 public:
-    explicit Pseudonormals(const Mesh& mesh);
+    /// topology  of `mesh`
+    Pseudonormals(const Mesh& mesh, const MeshTopology& topology);
+    explicit Pseudonormals(const Mesh& mesh) : Pseudonormals(mesh, topology_of(mesh)) {}
     /// Not normalised; direction matters only.
     const Vec3d& at(int triangle, Feature feature) const;
 

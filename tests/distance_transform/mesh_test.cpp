@@ -1,6 +1,6 @@
 // The verdict on a mesh, by cases with known counts, real files, and OpenMesh's adjacency.
 // SPDX-License-Identifier: MPL-2.0
-#include "distance_transform/mesh.h"
+#include "distance_transform/checked_mesh.h"
 
 #include "distance_transform/mesh_files.h"
 #include "distance_transform/sample_meshes.h"

@@ -32,12 +32,8 @@ struct LocalFrame {
     };
     Side right;
     Side left;
-};
-
-struct Candidate {
-    float distance; // of the cube's centre
-    float direction[3];
-    int triangle; // place among the input's candidates
+    float middle[3]; // of a ball around the triangle
+    float radius;
 };
 
 template<class L>
@@ -80,18 +76,22 @@ ISOCAST_INLINE Evaluation<L> evaluate(const Frame& f, const L& px, const L& py, 
             select(is_left, zero - planar_r, planar_r), planar_s};
 }
 
-/// Candidates of the eight children of a cube.
-struct Children {
-    Candidate* list[8];
-    int count[8];
-    int nearest[8]; // place in the list
+/// Distances and directions of one candidate at the centres of a cube's eight children.
+struct ChildLanes {
+    float distance[lanes];
+    float x[lanes];
+    float y[lanes];
+    float z[lanes];
+    float turn_error[lanes]; // of the direction, times the child's radius
+    int candidate;
 };
 
-/// Distances and directions of one candidate at the children's centres.
-struct ChildLanes {
-    Floats distance;
-    Floats x, y, z;
-    Floats turn_error; // of the direction, times the child's radius
+/// The candidates of a cube's children.
+struct Children {
+    ChildLanes* at;
+    int* list[8]; // places in `at`
+    int count[8];
+    int nearest[8]; // places in `at`
 };
 
 class Descent {
@@ -99,46 +99,48 @@ public:
     Descent(const DescentInput& input, int size, DescentOutput* output, char* memory)
         : input_(input), output_(output) {
         const long n = input.candidate_count;
-        at_children_ = reinterpret_cast<ChildLanes*>(memory);
-        memory += n * sizeof(ChildLanes);
         local_ = reinterpret_cast<LocalFrame*>(memory);
         memory += n * sizeof(LocalFrame);
-        for (int k = 0; k < 16; ++k) {
-            Children& children = k < 8 ? of_block_ : of_quarter_;
-            children.list[k % 8] = reinterpret_cast<Candidate*>(memory);
-            memory += n * sizeof(Candidate);
+        for (int level = 0; level < 2; ++level) {
+            Children& children = level == 0 ? of_block_ : of_quarter_;
+            children.at = reinterpret_cast<ChildLanes*>(memory);
+            memory += n * sizeof(ChildLanes);
+            for (int k = 0; k < 8; ++k) {
+                children.list[k] = reinterpret_cast<int*>(memory);
+                memory += (n + 1) * sizeof(int);
+            }
         }
         for (int k = 0; k < 3; ++k) centre_[k] = input.first_sample[k] + (size - 1) / 2.0;
         localise(size);
     }
 
     static unsigned long bytes(long candidate_count) {
-        return candidate_count *
-               (sizeof(ChildLanes) + sizeof(LocalFrame) + 16 * sizeof(Candidate));
+        return candidate_count * (sizeof(LocalFrame) + 2 * sizeof(ChildLanes)) +
+               16 * (candidate_count + 1) * sizeof(int);
     }
 
     /// The children of a cube far larger than a block; the lists take the place of candidates.
     std::int64_t run_split(int child_size, SplitOutput& children) {
         const float middle[3] = {0, 0, 0};
-        split(middle, child_size, [](int i) { return i; }, input_.candidate_count, of_block_);
+        split(middle, child_size, all_candidates(), of_block_);
         for (int k = 0; k < 8; ++k) {
             children.count[k] = of_block_.count[k];
-            children.list[k] = reinterpret_cast<int*>(of_quarter_.list[k]);
+            children.list[k] = of_block_.list[k];
             for (int i = 0; i < children.count[k]; ++i)
-                children.list[k][i] = input_.candidates[of_block_.list[k][i].triangle];
+                children.list[k][i] =
+                    input_.candidates[of_block_.at[of_block_.list[k][i]].candidate];
         }
         return evaluations_;
     }
 
     std::int64_t run() {
         const float middle[3] = {0, 0, 0};
-        split(middle, 4, [](int i) { return i; }, input_.candidate_count, of_block_);
+        split(middle, 4, all_candidates(), of_block_);
         for (int k = 0; k < 8; ++k) {
             if (of_block_.count[k] == 0) continue;
             const float quarter[3] = {k & 1 ? 2.f : -2.f, k & 2 ? 2.f : -2.f, k & 4 ? 2.f : -2.f};
-            const Candidate* parents = of_block_.list[k];
-            split(quarter, 2, [=](int i) { return parents[i].triangle; }, of_block_.count[k],
-                  of_quarter_);
+            const KeptCandidates kept(of_block_, k, quarter);
+            split(quarter, 2, kept, of_quarter_);
             const int first = 4 * ((k & 1) + 8 * (k >> 1 & 1) + 64 * (k >> 2));
             for (int j = 0; j < 8; ++j) {
                 if (of_quarter_.count[j] == 0) continue;
@@ -146,7 +148,7 @@ public:
                                         centre_[1] + quarter[1] + (j & 2 ? 1 : -1),
                                         centre_[2] + quarter[2] + (j & 4 ? 1 : -1)};
                 visit_samples(cube, first + 2 * ((j & 1) + 8 * (j >> 1 & 1) + 64 * (j >> 2)),
-                              of_quarter_.list[j], of_quarter_.count[j], of_quarter_.nearest[j]);
+                              j);
             }
         }
         return evaluations_;
@@ -160,10 +162,18 @@ private:
     /// The candidates' frames in float about the centre, and what rounding does to them.
     void localise(int size) {
         double greatest = size;
+        float least = 1e30f;
         for (int i = 0; i < input_.candidate_count; ++i) {
             const TriangleFrame& f = frame(i);
             LocalFrame& local = local_[i];
             double reach = f.right.length + f.left.length;
+            if (i + 4 < input_.candidate_count) {
+                // The mesh's frames lie about in memory.
+                const char* next = reinterpret_cast<const char*>(&frame(i + 4));
+                __builtin_prefetch(next);
+                __builtin_prefetch(next + 64);
+                __builtin_prefetch(next + 128);
+            }
             for (int k = 0; k < 3; ++k) {
                 const double origin = f.origin[k] - centre_[k];
                 reach += origin < 0 ? -origin : origin;
@@ -176,10 +186,31 @@ private:
                            float(f.right.length)};
             local.left = {float(f.left.base), float(f.left.cosine), float(f.left.sine),
                           float(f.left.length)};
+            enclose(f, local);
             greatest = reach > greatest ? reach : greatest;
+            const float squared = local.middle[0] * local.middle[0] +
+                                  local.middle[1] * local.middle[1] +
+                                  local.middle[2] * local.middle[2];
+            if (squared < least) {
+                least = squared;
+                nearest_ball_ = i;
+            }
         }
         // About 20 roundings of numbers no greater than that meet in a distance.
         error_ = float(20 * 6e-8 * greatest);
+    }
+
+    /// The ball about the centroid.
+    static void enclose(const TriangleFrame& f, LocalFrame& local) {
+        const double r = (f.right.base - f.left.base) / 3;
+        const double s = f.h / 3;
+        for (int k = 0; k < 3; ++k)
+            local.middle[k] = float(local.origin[k] + r * f.r[k] + s * f.s[k]);
+        const double right = (f.right.base - r) * (f.right.base - r) + s * s;
+        const double left = (f.left.base + r) * (f.left.base + r) + s * s;
+        const double apex = r * r + 4 * s * s;
+        const double ends = right > left ? right : left;
+        local.radius = float(__builtin_sqrt(ends > apex ? ends : apex));
     }
 
     /// Offsets ± d on each axis, x fastest.
@@ -194,19 +225,65 @@ private:
         z = load(at[2]);
     }
 
+    /// All candidates of the input as parents; balls tell which are far.
+    struct AllCandidates {
+        const LocalFrame* frames;
+        int count;
+        int nearest; // visited first, so that others are soon known to be too far
+        int at(int i) const { return i; }
+        int candidate(int i) const { return i; }
+        ISOCAST_INLINE Floats lower_bound(int i, const Floats& x, const Floats& y,
+                                          const Floats& z) const {
+            const LocalFrame& f = frames[i];
+            const Floats dx = x - f.middle[0];
+            const Floats dy = y - f.middle[1];
+            const Floats dz = z - f.middle[2];
+            return sqrt(dx * dx + dy * dy + dz * dz) - f.radius;
+        }
+    };
+
+    AllCandidates all_candidates() const {
+        return {local_, input_.candidate_count, nearest_ball_};
+    }
+
+    /// The candidates of child k of a cube, with its centre; tangents tell which are far.
+    struct KeptCandidates {
+        KeptCandidates(const Children& children, int child, const float (&child_centre)[3])
+            : of(children), k(child), centre(child_centre), count(children.count[child]),
+              nearest(children.nearest[child]) {}
+        const Children& of;
+        int k;
+        const float (&centre)[3];
+        int count;
+        int nearest;
+        int at(int i) const { return of.list[k][i]; }
+        int candidate(int i) const { return of.at[i].candidate; }
+        ISOCAST_INLINE Floats lower_bound(int i, const Floats& x, const Floats& y,
+                                          const Floats& z) const {
+            const ChildLanes& c = of.at[i];
+            return (x - centre[0]) * c.x[k] + (y - centre[1]) * c.y[k] + (z - centre[2]) * c.z[k] +
+                   c.distance[k];
+        }
+    };
+
     /// Children of `size`^3 samples of the cube about `centre`, and who may be nearest there.
-    template<class Parent>
-    void split(const float* centre, int size, Parent parent, int parent_count,
-               Children& children) {
+    template<class Parents>
+    void split(const float* centre, int size, const Parents& parents, Children& children) {
         Floats x, y, z;
         corners(centre, size / 2.0f, x, y, z);
         const float radius = (size - 1) / 2.0f * 1.7320508f; // sqrt 3
         // Nearer than this the direction is lost in rounding, and the distance counts as 0.
         const float nearest_told = 100 * error_;
+        const float slack = nearest_told + 2 * error_;
         Floats least = 1e30f;
         Floats least_x = 0.f, least_y = 0.f, least_z = 0.f, least_error = 0.f;
-        for (int i = 0; i < parent_count; ++i) {
-            const LocalFrame& f = local_[parent(i)];
+        Floats nearest = 0.f; // place in children.at, exact below 2^24
+        const float widest = float(input_.half_width) + radius + slack;
+        Floats limit = widest;
+        int count = 0;
+        const auto visit = [&](int i) __attribute__((always_inline)) {
+            const int candidate = parents.candidate(i);
+            const LocalFrame& f = local_[candidate];
             const Evaluation e = evaluate(f, x, y, z);
             const Floats root = sqrt(e.squared_distance);
             const auto is_told = Floats(nearest_told) < root;
@@ -215,53 +292,63 @@ private:
             const Floats ur = e.planar_r * inverse;
             const Floats us = e.planar_s * inverse;
             const Floats ut = e.height * inverse;
-            ChildLanes& at = at_children_[i];
-            at.distance = distance;
-            at.x = ur * f.r[0] + us * f.s[0] + ut * f.t[0];
-            at.y = ur * f.r[1] + us * f.s[1] + ut * f.t[1];
-            at.z = ur * f.r[2] + us * f.s[2] + ut * f.t[2];
-            at.turn_error = inverse * (error_ * radius);
+            const Floats ux = ur * f.r[0] + us * f.s[0] + ut * f.t[0];
+            const Floats uy = ur * f.r[1] + us * f.s[1] + ut * f.t[1];
+            const Floats uz = ur * f.r[2] + us * f.s[2] + ut * f.t[2];
+            const Floats turn_error = inverse * (error_ * radius);
+            ChildLanes& at = children.at[count];
+            at.candidate = candidate;
+            store(at.distance, distance);
+            store(at.x, ux);
+            store(at.y, uy);
+            store(at.z, uz);
+            store(at.turn_error, turn_error);
             const auto is_nearer = distance < least;
             least = select(is_nearer, distance, least);
-            least_x = select(is_nearer, at.x, least_x);
-            least_y = select(is_nearer, at.y, least_y);
-            least_z = select(is_nearer, at.z, least_z);
-            least_error = select(is_nearer, at.turn_error, least_error);
+            least_x = select(is_nearer, ux, least_x);
+            least_y = select(is_nearer, uy, least_y);
+            least_z = select(is_nearer, uz, least_z);
+            least_error = select(is_nearer, turn_error, least_error);
+            nearest = select(is_nearer, float(count), nearest);
+            limit = min(least + (2 * radius + slack), widest);
+            ++count;
+        };
+        visit(parents.nearest);
+        for (int k = 0; k < parents.count; ++k) {
+            const int i = parents.at(k);
+            if (i == parents.nearest) continue;
+            if (bits(parents.lower_bound(i, x, y, z) <= limit) != 0) visit(i);
         }
-        evaluations_ += lanes * parent_count;
+        evaluations_ += lanes * count;
 
-        const float slack = nearest_told + 2 * error_;
-        const Floats limit =
-            min(least + 2 * radius, float(input_.half_width) + radius) + slack;
         const Floats bend =
             least + Floats(radius * radius / 2) / max(least, 1e-6f) + (least_error + slack);
-        for (int k = 0; k < 8; ++k) children.count[k] = 0;
-        float nearest[8];
-        for (int i = 0; i < parent_count; ++i) {
-            const ChildLanes& at = at_children_[i];
-            const Floats excess = at.distance - bend - at.turn_error;
-            const Floats cosine = at.x * least_x + at.y * least_y + at.z * least_z;
+        int kept_count[8] = {};
+        for (int i = 0; i < count; ++i) {
+            const ChildLanes& at = children.at[i];
+            const Floats distance = load(at.distance);
+            const Floats excess = distance - bend - load(at.turn_error);
+            const Floats cosine =
+                load(at.x) * least_x + load(at.y) * least_y + load(at.z) * least_z;
             // 1e-5: rounding of unit vectors' product, beside what turn_error holds.
             const Floats squared_turn = Floats(2.f + 1e-5f) - cosine - cosine;
             const auto can_turn =
                 (excess <= 0.f) | (excess * excess <= squared_turn * (radius * radius));
-            for (unsigned kept = bits((at.distance <= limit) & can_turn); kept != 0;
-                 kept &= kept - 1) {
-                const int k = __builtin_ctz(kept);
-                const int place = children.count[k]++;
-                const float distance = lane(at.distance, k);
-                children.list[k][place] = {
-                    distance, {lane(at.x, k), lane(at.y, k), lane(at.z, k)}, parent(i)};
-                if (place == 0 || distance < nearest[k]) {
-                    nearest[k] = distance;
-                    children.nearest[k] = place;
-                }
+            const unsigned kept = bits((distance <= limit) & can_turn);
+            // Without a branch, which nothing could foresee.
+            for (int k = 0; k < 8; ++k) {
+                children.list[k][kept_count[k]] = i;
+                kept_count[k] += kept >> k & 1;
             }
+        }
+        for (int k = 0; k < 8; ++k) {
+            children.count[k] = kept_count[k];
+            children.nearest[k] = int(lane(nearest, k));
         }
     }
 
-    void visit_samples(const double* centre, int first, const Candidate* candidates, int count,
-                       int nearest) {
+    /// The eight samples about `centre`, child k of a quarter.
+    void visit_samples(const double* centre, int first, int k) {
         Doubles x, y, z;
         corners(centre, 0.5, x, y, z);
         const float origin[3] = {0, 0, 0};
@@ -271,28 +358,30 @@ private:
         Doubles height = 0.0;
         Doubles winner = -1.0; // the number of a candidate, exactly
         Floats least_rounded;  // up, by far more than the rounding of the bounds' square
-        const auto visit = [&](const Candidate& candidate) __attribute__((always_inline)) {
+        const auto visit = [&](int candidate) __attribute__((always_inline)) {
             evaluations_ += lanes;
-            const Evaluation e = evaluate(frame(candidate.triangle), x, y, z);
+            const Evaluation e = evaluate(frame(candidate), x, y, z);
             const auto is_nearer = e.squared_distance <= least;
             least = select(is_nearer, e.squared_distance, least);
             height = select(is_nearer, e.height, height);
-            winner = select(is_nearer, double(candidate.triangle), winner);
+            winner = select(is_nearer, double(candidate), winner);
             for (int i = 0; i < lanes; ++i)
                 least_rounded.part[i / Floats::native_lanes][i % Floats::native_lanes] =
                     float(least.part[i / Doubles::native_lanes][i % Doubles::native_lanes]);
             least_rounded = least_rounded * 1.000001f;
         };
-        visit(candidates[nearest]);
+        const int nearest = of_quarter_.nearest[k];
+        visit(of_quarter_.at[nearest].candidate);
         const float slack = 102 * error_; // as in split
-        for (int i = 0; i < count; ++i) {
-            if (i == nearest) continue;
-            const Candidate& c = candidates[i];
-            const float turn_error = c.distance > 0 ? error_ / c.distance : 0;
-            const Floats bound = ox * c.direction[0] + oy * c.direction[1] + oz * c.direction[2] +
-                                 (c.distance - slack - turn_error);
+        for (int i = 0; i < of_quarter_.count[k]; ++i) {
+            const int place = of_quarter_.list[k][i];
+            if (place == nearest) continue;
+            const ChildLanes& c = of_quarter_.at[place];
+            // The turn error is times the radius of these samples: sqrt 3 / 2.
+            const Floats bound = ox * c.x[k] + oy * c.y[k] + oz * c.z[k] +
+                                 (c.distance[k] - slack - c.turn_error[k]);
             if (bits((bound < 0.f) | (bound * bound < least_rounded)) == 0) continue;
-            visit(c);
+            visit(c.candidate);
         }
         least = select(winner < 0.0, 1e300, least);
         for (int i = 0; i < 8; ++i) {
@@ -307,7 +396,7 @@ private:
     DescentOutput* output_;
     double centre_[3];
     float error_; // of a local distance
-    ChildLanes* at_children_;
+    int nearest_ball_ = 0;
     LocalFrame* local_;
     Children of_block_;
     Children of_quarter_;

@@ -51,7 +51,9 @@ BandErrors band_errors(std::span<const FieldBlock> exact, std::span<const FieldB
                 std::abs(double{found.values[i]}) - std::abs(double{a.values[i]});
             worst = std::max(worst, std::abs(beyond));
             errors.too_far += beyond > tolerance ? 1 : 0;
-            errors.wrong_signs += (found.values[i] < 0) != (a.values[i] < 0) ? 1 : 0;
+            const bool is_on_surface = std::abs(a.values[i]) <= 1e-9 * voxel_size_world;
+            errors.wrong_signs +=
+                !is_on_surface && (found.values[i] < 0) != (a.values[i] < 0) ? 1 : 0;
         }
     }
     count_extra_before(nullptr);

@@ -36,7 +36,7 @@ struct BandErrors {
     std::int64_t samples = 0;     // active in the exact band
     std::int64_t missing = 0;     // of these, inactive in the other band
     std::int64_t too_far = 0;     // active in both, but further than exact by more than 1e-5 voxel
-    std::int64_t wrong_signs = 0; // active in both
+    std::int64_t wrong_signs = 0; // active in both, where |d| > 1e-9 voxel; nearer is on the surface
     std::int64_t extra = 0;       // active in the other band only
     double worst_voxels = 0;      // greatest error of |d| where active in both
 };

@@ -67,10 +67,9 @@ std::optional<std::vector<Vec3d>> hull_of_rays(const std::vector<Vec3d>& rays, c
 
 class Csc {
 public:
-    Csc(const LatticeMesh& lattice, double half_width)
-        : mesh_(lattice.mesh), half_width_(half_width),
-          voxel_size_(lattice.space.voxel_size_world()), rings_(one_rings(mesh_)),
-          normals_(mesh_) {
+    Csc(const LatticeMesh& lattice, double half_width, double memory_bytes)
+        : mesh_(lattice.mesh), half_width_(half_width), memory_bytes_(memory_bytes),
+          voxel_size_(lattice.space.voxel_size_world()), rings_(one_rings(mesh_)), normals_(mesh_) {
         if (std::ranges::find(rings_.twins, -1) != rings_.twins.end())
             throw InputError("the mesh is not closed, as the thesis's polyhedra need");
     }
@@ -86,8 +85,8 @@ public:
 
         ReferenceBand result{.distance_evaluations = evaluations_};
         for (const auto& [zyx, distances] : blocks_) {
-            FieldBlock block = distances.to_block(Index3(zyx[2], zyx[1], zyx[0]), half_width_,
-                                                  voxel_size_);
+            FieldBlock block =
+                distances.to_block(Index3(zyx[2], zyx[1], zyx[0]), half_width_, voxel_size_);
             if (block.active.any()) result.blocks.push_back(block);
         }
         return result;
@@ -113,11 +112,20 @@ private:
         site.min.array() -= half_width_ + scan_slack;
         site.max.array() += half_width_ + scan_slack;
         for (const Index3& block : blocks_meeting(polyhedron, site)) {
+            BlockDistances* own = nullptr; // no block is made that has no sample inside
             scan_block(polyhedron, block, [&](const Index3& p, int i) {
                 ++evaluations_;
-                blocks_[{block.z(), block.y(), block.x()}].offer(i, distance(p.cast<double>()));
+                if (!own) own = &distances_of(block);
+                own->offer(i, distance(p.cast<double>()));
             });
         }
+    }
+
+    BlockDistances& distances_of(const Index3& block) {
+        BlockDistances& own = blocks_[{block.z(), block.y(), block.x()}];
+        const std::size_t bytes = blocks_.size() * (sizeof(BlockDistances) + sizeof(FieldBlock));
+        if (static_cast<double>(bytes) > memory_bytes_) refuse_memory(bytes, memory_bytes_);
+        return own;
     }
 
     /// The prism over the triangle, on both sides: distance to its plane.
@@ -143,15 +151,13 @@ private:
         const Vec3d along = direction(halfedge);
         const double side = rings_.bends[halfedge] == Bend::Convex ? 1 : -1;
         const Vec3d middle =
-            side * (rings_.face_normals[halfedge / 3] + rings_.face_normals[twin / 3])
-                       .stableNormalized();
+            side *
+            (rings_.face_normals[halfedge / 3] + rings_.face_normals[twin / 3]).stableNormalized();
         const std::array<HalfSpace, 5> wedge = {
             half_space(-out_of_face(halfedge), from), half_space(-out_of_face(twin), from),
-            half_space(middle, from, half_width_), half_space(-along, from),
-            half_space(along, to)};
-        scan(wedge, {from.cwiseMin(to), from.cwiseMax(to)}, [&](const Vec3d& p) {
-            return side * (p - from).cross(along).norm();
-        });
+            half_space(middle, from, half_width_), half_space(-along, from), half_space(along, to)};
+        scan(wedge, {from.cwiseMin(to), from.cwiseMax(to)},
+             [&](const Vec3d& p) { return side * (p - from).cross(along).norm(); });
     }
 
     /// Between the wedges at a vertex: distance to the vertex.
@@ -196,6 +202,7 @@ private:
 
     const Mesh& mesh_;
     double half_width_;
+    double memory_bytes_;
     double voxel_size_;
     OneRings rings_;
     Pseudonormals normals_;
@@ -206,8 +213,8 @@ private:
 } // namespace
 
 ReferenceBand characteristics_scan_conversion(const LatticeMesh& lattice, double half_width_voxels,
-                                              const Progress& progress) {
-    return Csc(lattice, half_width_voxels).run(progress);
+                                              double memory_bytes, const Progress& progress) {
+    return Csc(lattice, half_width_voxels, memory_bytes).run(progress);
 }
 
 } // namespace isocast

@@ -49,9 +49,9 @@ Bend bend_at(const Mesh& mesh, const OneRings& rings, int halfedge) {
     const int twin = rings.twins[halfedge];
     if (twin < 0) return Bend::Flat;
     const auto h = static_cast<std::uint32_t>(halfedge);
-    const Vec3d along = (mesh.vertices_world[halfedge_to(mesh, h)] -
-                         mesh.vertices_world[halfedge_from(mesh, h)])
-                            .stableNormalized();
+    const Vec3d along =
+        (mesh.vertices_world[halfedge_to(mesh, h)] - mesh.vertices_world[halfedge_from(mesh, h)])
+            .stableNormalized();
     const double sine =
         along.dot(rings.face_normals[halfedge / 3].cross(rings.face_normals[twin / 3]));
     return sine > flat_sine ? Bend::Convex : sine < -flat_sine ? Bend::Concave : Bend::Flat;

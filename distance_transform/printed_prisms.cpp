@@ -12,6 +12,7 @@
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 namespace isocast {
@@ -30,8 +31,8 @@ bool is_before(const BlockOfPrism& a, const BlockOfPrism& b) {
 
 class PrismScan {
 public:
-    PrismScan(const LatticeMesh& lattice, double half_width, Gaps gaps)
-        : mesh_(lattice.mesh), half_width_(half_width),
+    PrismScan(const LatticeMesh& lattice, double half_width, Gaps gaps, double memory_bytes)
+        : mesh_(lattice.mesh), half_width_(half_width), memory_bytes_(memory_bytes),
           voxel_size_(lattice.space.voxel_size_world()), prisms_(mesh_, half_width, gaps),
           normals_(mesh_) {
         if (std::ranges::find(prisms_.rings().twins, -1) != prisms_.rings().twins.end())
@@ -45,12 +46,14 @@ public:
             if (i == 0 || pairs[i].block != pairs[i - 1].block) block_begin.push_back(i);
         block_begin.push_back(pairs.size());
 
+        require_memory(pairs.size() * sizeof(BlockOfPrism) +
+                       block_begin.size() * sizeof(FieldBlock));
         std::vector<FieldBlock> blocks(block_begin.size() - 1);
         ProgressMeter meter(progress, "transform", static_cast<double>(blocks.size()), 16);
         std::atomic<std::int64_t> evaluations = 0;
         tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
-            const auto own = std::span(pairs).subspan(block_begin[i],
-                                                      block_begin[i + 1] - block_begin[i]);
+            const auto own =
+                std::span(pairs).subspan(block_begin[i], block_begin[i + 1] - block_begin[i]);
             evaluations += scan(blocks[i], own);
             meter.add(1);
         });
@@ -59,6 +62,10 @@ public:
     }
 
 private:
+    void require_memory(std::size_t bytes) const {
+        if (static_cast<double>(bytes) > memory_bytes_) refuse_memory(bytes, memory_bytes_);
+    }
+
     std::array<Vec3d, 3> corners_of(int triangle) const {
         const auto [a, b, c] = mesh_.triangles[triangle];
         return {mesh_.vertices_world[a], mesh_.vertices_world[b], mesh_.vertices_world[c]};
@@ -70,13 +77,16 @@ private:
         const int count = static_cast<int>(mesh_.triangles.size());
         ProgressMeter meter(progress, "prepare", count, 256);
         tbb::enumerable_thread_specific<std::vector<BlockOfPrism>> found;
+        std::atomic<std::size_t> pair_count = 0;
         tbb::parallel_for(0, count, [&](int t) {
             const auto [a, b, c] = corners_of(t);
             const Vec3d reach = Vec3d::Constant(half_width_ + scan_slack);
             const WorldBox box{a.cwiseMin(b).cwiseMin(c) - reach,
                                a.cwiseMax(b).cwiseMax(c) + reach};
-            for (const Index3& block : blocks_meeting(prisms_.half_spaces(t), box))
-                found.local().push_back({block, t});
+            const std::vector<Index3> blocks = blocks_meeting(prisms_.half_spaces(t), box);
+            pair_count += blocks.size();
+            require_memory(2 * pair_count * sizeof(BlockOfPrism)); // twice: per thread, and joined
+            for (const Index3& block : blocks) found.local().push_back({block, t});
             meter.add(1);
         });
         std::vector<BlockOfPrism> pairs;
@@ -105,6 +115,7 @@ private:
 
     const Mesh& mesh_;
     double half_width_;
+    double memory_bytes_;
     double voxel_size_;
     Prisms prisms_;
     Pseudonormals normals_;
@@ -113,8 +124,8 @@ private:
 } // namespace
 
 ReferenceBand scan_convert_prisms(const LatticeMesh& lattice, double half_width_voxels, Gaps gaps,
-                                  const Progress& progress) {
-    return PrismScan(lattice, half_width_voxels, gaps).run(progress);
+                                  double memory_bytes, const Progress& progress) {
+    return PrismScan(lattice, half_width_voxels, gaps, memory_bytes).run(progress);
 }
 
 } // namespace isocast

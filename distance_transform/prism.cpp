@@ -24,15 +24,14 @@ Prisms::Prisms(const Mesh& mesh, double half_width, Gaps gaps)
             continue;
         }
         const std::array<int, 3>& corners = mesh.triangles[h / 3];
-        const Vec3d along = mesh.vertices_world[corners[(h + 1) % 3]] -
-                            mesh.vertices_world[corners[h % 3]];
+        const Vec3d along =
+            mesh.vertices_world[corners[(h + 1) % 3]] - mesh.vertices_world[corners[h % 3]];
         const Vec3d& normal = rings_.face_normals[h / 3];
         // The plane holds the edge and the mean of both normals. Coplanar neighbours need no case
         // of their own; of two faces folded onto each other the faces' own plane is the bisector.
         const Vec3d both = twin < 0 ? normal : Vec3d(normal + rings_.face_normals[twin / 3]);
-        lateral_normals_[h] = both.norm() > angle_slack
-                                  ? along.cross(both).stableNormalized()
-                                  : Vec3d(-normal);
+        lateral_normals_[h] =
+            both.norm() > angle_slack ? along.cross(both).stableNormalized() : Vec3d(-normal);
     }
     counts_.vertices = static_cast<int>(rings_.count());
     for (std::size_t i = 0; i < rings_.count(); ++i) {
@@ -123,8 +122,8 @@ std::array<Vec3d, 3> cross_section(const std::array<HalfSpace, 5>& prism, double
         Mat3d planes;
         planes << before.normal.transpose(), prism[k].normal.transpose(),
             prism[3].normal.transpose();
-        corners[k] = planes.colPivHouseholderQr().solve(
-            Vec3d(before.offset, prism[k].offset, height));
+        corners[k] =
+            planes.colPivHouseholderQr().solve(Vec3d(before.offset, prism[k].offset, height));
     }
     return corners;
 }

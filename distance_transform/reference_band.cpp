@@ -4,6 +4,9 @@
 
 #include "distance_transform/block_transform.h"
 #include "distance_transform/convex_scan.h"
+#include "volume/errors.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -24,6 +27,14 @@ FieldBlock BlockDistances::to_block(const Index3& coordinate, double half_width_
     if (block.active.any())
         spread_signs(block, static_cast<float>(half_width_voxels * voxel_size_world));
     return block;
+}
+
+void refuse_memory(std::size_t bytes, double memory_bytes) {
+    constexpr double gibibyte = 0x1p30;
+    throw ResourceError(fmt::format(
+        "the reference method needs more than {:.3g} GiB, and {:.3g} GiB of memory are available; "
+        "use a larger voxel size or a narrower band",
+        static_cast<double>(bytes) / gibibyte, memory_bytes / gibibyte));
 }
 
 BandErrors band_errors(std::span<const FieldBlock> exact, std::span<const FieldBlock> other,
@@ -47,8 +58,7 @@ BandErrors band_errors(std::span<const FieldBlock> exact, std::span<const FieldB
         errors.extra += static_cast<std::int64_t>((found.active & ~a.active).count());
         for (int i = 0; i < samples_per_block; ++i) {
             if (!a.active[i] || !found.active[i]) continue;
-            const double beyond =
-                std::abs(double{found.values[i]}) - std::abs(double{a.values[i]});
+            const double beyond = std::abs(double{found.values[i]}) - std::abs(double{a.values[i]});
             worst = std::max(worst, std::abs(beyond));
             errors.too_far += beyond > tolerance ? 1 : 0;
             const bool is_on_surface = std::abs(a.values[i]) <= 1e-9 * voxel_size_world;

@@ -4,6 +4,7 @@
 
 #include "volume/sparse_field.h"
 
+#include <cmath>
 #include <limits>
 #include <span>
 #include <vector>
@@ -31,14 +32,18 @@ struct BlockDistances {
                         double voxel_size_world) const;
 };
 
+/// throws  ResourceError that says so
+[[noreturn]] void refuse_memory(std::size_t bytes, double memory_bytes);
+
 /// How a band differs from the exact one, sample by sample.
 struct BandErrors {
-    std::int64_t samples = 0;     // active in the exact band
-    std::int64_t missing = 0;     // of these, inactive in the other band
-    std::int64_t too_far = 0;     // active in both, but further than exact by more than 1e-5 voxel
-    std::int64_t wrong_signs = 0; // active in both, where |d| > 1e-9 voxel; nearer is on the surface
-    std::int64_t extra = 0;       // active in the other band only
-    double worst_voxels = 0;      // greatest error of |d| where active in both
+    std::int64_t samples = 0; // active in the exact band
+    std::int64_t missing = 0; // of these, inactive in the other band
+    std::int64_t too_far = 0; // active in both, but further than exact by more than 1e-5 voxel
+    std::int64_t wrong_signs =
+        0;                   // active in both, where |d| > 1e-9 voxel; nearer is on the surface
+    std::int64_t extra = 0;  // active in the other band only
+    double worst_voxels = 0; // greatest error of |d| where active in both
 };
 
 /// exact, other  sorted by z, y, x, coordinates relative to the same sample

@@ -16,8 +16,7 @@ namespace {
 /// Greatest normal · p - offset: how far p is outside.
 double excess(const std::vector<HalfSpace>& polyhedron, const Vec3d& p) {
     double greatest = -std::numeric_limits<double>::infinity();
-    for (const HalfSpace& h : polyhedron)
-        greatest = std::max(greatest, h.normal.dot(p) - h.offset);
+    for (const HalfSpace& h : polyhedron) greatest = std::max(greatest, h.normal.dot(p) - h.offset);
     return greatest;
 }
 
@@ -87,8 +86,8 @@ TEST(ConvexScan, PolyhedraThatTouchLeaveNoSampleBetween) {
         const Index3 block(static_cast<int>(random() % 1000), static_cast<int>(random() % 1000),
                            static_cast<int>(random() % 1000));
         // A plane through a sample, by which its two sides are told apart in different roundings.
-        const Vec3d on_plane = (block_size * block).cast<double>() +
-                               Vec3d(random() % 8, random() % 8, random() % 8);
+        const Vec3d on_plane =
+            (block_size * block).cast<double>() + Vec3d(random() % 8, random() % 8, random() % 8);
         Vec3d normal = random_unit(random);
         if (round % 2 == 0) normal = Vec3d(1, 1, round % 4 == 0 ? 0 : 1).normalized();
         const HalfSpace below{normal, normal.dot(on_plane)};

@@ -16,6 +16,8 @@
 namespace isocast::test {
 namespace {
 
+constexpr double no_limit = std::numeric_limits<double>::infinity();
+
 struct Case {
     CheckedMesh mesh;
     double voxel;
@@ -23,8 +25,7 @@ struct Case {
     LatticeMesh lattice;
 
     Case(const Mesh& input, int resolution, double half_width_voxels)
-        : mesh(check(input)),
-          voxel(voxel_size_for_resolution(bounding_box(mesh.mesh), resolution)),
+        : mesh(check(input)), voxel(voxel_size_for_resolution(bounding_box(mesh.mesh), resolution)),
           half_width(half_width_voxels), lattice(on_lattice(mesh.mesh, voxel, half_width)) {}
 
     SparseField field_of(ReferenceBand band) const {
@@ -51,22 +52,22 @@ void expect_none(const BandErrors& errors) {
 TEST(PrintedPrisms, HoldTheWholeBandOfAFineSphere) {
     for (const double half_width : {3.0, 10.0}) {
         const Case sphere(sample_mesh("sphere6"), 64, half_width);
-        expect_none(
-            sphere.errors_of(scan_convert_prisms(sphere.lattice, half_width, Gaps::Leave)));
+        expect_none(sphere.errors_of(
+            scan_convert_prisms(sphere.lattice, half_width, Gaps::Leave, no_limit)));
     }
 }
 
 TEST(PrintedPrisms, HoldTheWholeBandOfACube) {
     const Case solid(cube(), 20, 4.0);
     const SparseField field =
-        solid.field_of(scan_convert_prisms(solid.lattice, 4.0, Gaps::Leave));
+        solid.field_of(scan_convert_prisms(solid.lattice, 4.0, Gaps::Leave, no_limit));
     // The cube's own formula: the voxel is 0.1.
     const Comparison comparison = compare(field, [](const Vec3d& p) {
         const Vec3d q = p.cwiseAbs() - Vec3d::Ones();
         return q.cwiseMax(0).norm() + std::min(q.maxCoeff(), 0.0);
     });
     expect_exact(comparison);
-    expect_none(solid.errors_of(scan_convert_prisms(solid.lattice, 4.0, Gaps::Leave)));
+    expect_none(solid.errors_of(scan_convert_prisms(solid.lattice, 4.0, Gaps::Leave, no_limit)));
 }
 
 TEST(PrintedPrisms, ErrInsideConvexSolidsNowhere) {
@@ -78,7 +79,7 @@ TEST(PrintedPrisms, ErrInsideConvexSolidsNowhere) {
         const ConvertResult exact =
             convert(hull.mesh, {.voxel_size_world = hull.voxel, .half_width_voxels = 5});
         const auto found =
-            band_map(hull.field_of(scan_convert_prisms(hull.lattice, 5.0, Gaps::Leave)));
+            band_map(hull.field_of(scan_convert_prisms(hull.lattice, 5.0, Gaps::Leave, no_limit)));
         for (const auto& [index, value] : band_map(exact.field)) {
             if (value >= 0) continue;
             const auto at = found.find(index);
@@ -89,14 +90,26 @@ TEST(PrintedPrisms, ErrInsideConvexSolidsNowhere) {
     }
 }
 
+TEST(PrintedPrisms, AreNotConservativeOutsideConvexSolidsAlthoughNoGapIsThere) {
+    // Near a vertex the bisector plane to a third face can cut off points whose closest feature is
+    // the edge of the other two.
+    std::mt19937 random(9);
+    const Case hull(random_hull(100, random), 48, 12.0);
+    EXPECT_EQ(Prisms(hull.mesh.mesh, hull.voxel, Gaps::Leave).counts().gaps, 0);
+    const BandErrors errors =
+        hull.errors_of(scan_convert_prisms(hull.lattice, 12.0, Gaps::Leave, no_limit));
+    EXPECT_GT(errors.too_far, 0);
+    EXPECT_EQ(errors.extra, 0);
+}
+
 TEST(PrintedPrisms, LoseSomeOfTheBunnysBandAndNeverComeTooNear) {
     const auto path = shared_data("bunny-closed.obj");
     if (!std::filesystem::exists(path)) GTEST_SKIP() << "no " << path;
     const Case bunny(read_mesh(path), 128, 3.0);
     const BandErrors left =
-        bunny.errors_of(scan_convert_prisms(bunny.lattice, 3.0, Gaps::Leave));
+        bunny.errors_of(scan_convert_prisms(bunny.lattice, 3.0, Gaps::Leave, no_limit));
     const BandErrors closed =
-        bunny.errors_of(scan_convert_prisms(bunny.lattice, 3.0, Gaps::Close));
+        bunny.errors_of(scan_convert_prisms(bunny.lattice, 3.0, Gaps::Close, no_limit));
     // A distance to some triangles is never below the distance to all.
     EXPECT_EQ(left.extra, 0);
     EXPECT_EQ(closed.extra, 0);
@@ -112,7 +125,7 @@ TEST(PrintedPrisms, DoNotDependOnTheNumberOfThreads) {
     const Case knot(sample_mesh("knot"), 48, 3.0);
     const auto run_on = [&](std::size_t threads) {
         const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-        return scan_convert_prisms(knot.lattice, 3.0, Gaps::Close);
+        return scan_convert_prisms(knot.lattice, 3.0, Gaps::Close, no_limit);
     };
     const ReferenceBand one = run_on(1);
     const ReferenceBand two = run_on(2);
@@ -127,27 +140,29 @@ TEST(PrintedPrisms, DoNotDependOnTheNumberOfThreads) {
 
 TEST(Csc, IsExactOnACube) {
     const Case solid(cube(), 20, 4.0);
-    const SparseField field = solid.field_of(characteristics_scan_conversion(solid.lattice, 4.0));
+    const SparseField field =
+        solid.field_of(characteristics_scan_conversion(solid.lattice, 4.0, no_limit));
     const Comparison comparison = compare(field, [&](const Vec3d& p) {
         const double distance = brute_force_distance(solid.mesh.mesh, p);
         return p.cwiseAbs().maxCoeff() < 1 ? -distance : distance;
     });
     EXPECT_LE(comparison.worst_error_voxels, scan_slack);
     EXPECT_EQ(comparison.wrong_signs, 0);
-    expect_none(solid.errors_of(characteristics_scan_conversion(solid.lattice, 4.0)));
+    expect_none(solid.errors_of(characteristics_scan_conversion(solid.lattice, 4.0, no_limit)));
 }
 
 TEST(Csc, IsExactOnTheSampleMeshes) {
     for (const std::string& name : sample_mesh_names()) {
         const Case sample(sample_mesh(name), 48, 4.0);
         const SparseField field =
-            sample.field_of(characteristics_scan_conversion(sample.lattice, 4.0));
+            sample.field_of(characteristics_scan_conversion(sample.lattice, 4.0, no_limit));
         const CgalOracle oracle(sample.mesh.mesh);
         const Comparison comparison =
             compare(field, [&](const Vec3d& p) { return oracle.signed_distance(p); });
         EXPECT_LE(comparison.worst_error_voxels, scan_slack) << name;
         EXPECT_EQ(comparison.wrong_signs, 0) << name;
-        expect_none(sample.errors_of(characteristics_scan_conversion(sample.lattice, 4.0)));
+        expect_none(
+            sample.errors_of(characteristics_scan_conversion(sample.lattice, 4.0, no_limit)));
     }
 }
 
@@ -155,7 +170,7 @@ TEST(Csc, IsExactAndSignedRightOnSpikySolids) {
     std::mt19937 random(10);
     for (int round = 0; round < 20; ++round) {
         const Case solid(random_spiky_solid(20 + 10 * round, random), 40, 6.0);
-        expect_none(solid.errors_of(characteristics_scan_conversion(solid.lattice, 6.0)));
+        expect_none(solid.errors_of(characteristics_scan_conversion(solid.lattice, 6.0, no_limit)));
     }
 }
 
@@ -163,15 +178,15 @@ TEST(Csc, IsExactOnTheBunny) {
     const auto path = shared_data("bunny-closed.obj");
     if (!std::filesystem::exists(path)) GTEST_SKIP() << "no " << path;
     const Case bunny(read_mesh(path), 128, 3.0);
-    expect_none(bunny.errors_of(characteristics_scan_conversion(bunny.lattice, 3.0)));
+    expect_none(bunny.errors_of(characteristics_scan_conversion(bunny.lattice, 3.0, no_limit)));
 }
 
 TEST(ReferenceBand, NeedsAClosedMesh) {
     Mesh open = cube();
     open.triangles.pop_back();
     const Case solid(open, 20, 3.0);
-    EXPECT_THROW(scan_convert_prisms(solid.lattice, 3.0, Gaps::Close), InputError);
-    EXPECT_THROW(characteristics_scan_conversion(solid.lattice, 3.0), InputError);
+    EXPECT_THROW(scan_convert_prisms(solid.lattice, 3.0, Gaps::Close, no_limit), InputError);
+    EXPECT_THROW(characteristics_scan_conversion(solid.lattice, 3.0, no_limit), InputError);
 }
 
 TEST(ReferenceBand, StopsWhenInterrupted) {
@@ -181,18 +196,30 @@ TEST(ReferenceBand, StopsWhenInterrupted) {
             if (stage == wanted) throw Interrupted();
         };
     };
-    EXPECT_THROW(scan_convert_prisms(solid.lattice, 3.0, Gaps::Close, stop_in("prepare")),
+    EXPECT_THROW(scan_convert_prisms(solid.lattice, 3.0, Gaps::Close, no_limit, stop_in("prepare")),
                  Interrupted);
-    EXPECT_THROW(scan_convert_prisms(solid.lattice, 3.0, Gaps::Close, stop_in("transform")),
-                 Interrupted);
-    EXPECT_THROW(characteristics_scan_conversion(solid.lattice, 3.0, stop_in("transform")),
-                 Interrupted);
+    EXPECT_THROW(
+        scan_convert_prisms(solid.lattice, 3.0, Gaps::Close, no_limit, stop_in("transform")),
+        Interrupted);
+    EXPECT_THROW(
+        characteristics_scan_conversion(solid.lattice, 3.0, no_limit, stop_in("transform")),
+        Interrupted);
+}
+
+TEST(ReferenceBand, RefusesToTakeMoreMemoryThanGiven) {
+    const Case solid(cube(), 20, 3.0);
+    // The band of 20^3 voxels needs some 30 blocks of 2 KiB.
+    constexpr double too_little = 20e3;
+    EXPECT_THROW(scan_convert_prisms(solid.lattice, 3.0, Gaps::Close, too_little), ResourceError);
+    EXPECT_THROW(characteristics_scan_conversion(solid.lattice, 3.0, too_little), ResourceError);
+    EXPECT_FALSE(scan_convert_prisms(solid.lattice, 3.0, Gaps::Close, 1e6).blocks.empty());
+    EXPECT_FALSE(characteristics_scan_conversion(solid.lattice, 3.0, 1e6).blocks.empty());
 }
 
 TEST(BandErrors, CountWhatWasChanged) {
     const Case solid(cube(), 20, 3.0);
     const std::vector<FieldBlock> exact =
-        scan_convert_prisms(solid.lattice, 3.0, Gaps::Leave).blocks;
+        scan_convert_prisms(solid.lattice, 3.0, Gaps::Leave, no_limit).blocks;
     ASSERT_GT(exact.size(), 3u);
     std::vector<FieldBlock> changed = exact;
     const auto active_sample = [](const FieldBlock& block, double least) {

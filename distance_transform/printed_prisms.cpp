@@ -98,9 +98,10 @@ private:
     std::int64_t scan(FieldBlock& block, std::span<const BlockOfPrism> own) const {
         BlockDistances distances;
         std::int64_t evaluations = 0;
-        for (const auto& [coordinate, triangle] : own) {
+        for (const BlockOfPrism& pair : own) {
+            const int triangle = pair.triangle;
             const std::array<Vec3d, 3> corners = corners_of(triangle);
-            scan_block(prisms_.half_spaces(triangle), coordinate, [&](const Index3& p, int i) {
+            scan_block(prisms_.half_spaces(triangle), pair.block, [&](const Index3& p, int i) {
                 ++evaluations;
                 const Vec3d point = p.cast<double>();
                 const ClosestPoint closest = closest_point(point, corners);

@@ -85,13 +85,15 @@ TEST(ConvexScan, PolyhedraThatTouchLeaveNoSampleBetween) {
     for (int round = 0; round < 500; ++round) {
         const Index3 block(static_cast<int>(random() % 1000), static_cast<int>(random() % 1000),
                            static_cast<int>(random() % 1000));
-        // A plane through a sample, by which its two sides are told apart in different roundings.
+        // A plane through a sample.
         const Vec3d on_plane =
             (block_size * block).cast<double>() + Vec3d(random() % 8, random() % 8, random() % 8);
         Vec3d normal = random_unit(random);
         if (round % 2 == 0) normal = Vec3d(1, 1, round % 4 == 0 ? 0 : 1).normalized();
+        // Each side takes its offset from another point of the plane, and rounds it differently.
+        const Vec3d elsewhere = on_plane + 50 * normal.unitOrthogonal();
         const HalfSpace below{normal, normal.dot(on_plane)};
-        const HalfSpace above{-normal, -normal.dot(on_plane)};
+        const HalfSpace above{-normal, -normal.dot(elsewhere)};
         EXPECT_TRUE((scanned({below}, block) | scanned({above}, block)).all());
     }
 }

@@ -102,6 +102,29 @@ TEST(PrintedPrisms, AreNotConservativeOutsideConvexSolidsAlthoughNoGapIsThere) {
     EXPECT_EQ(errors.extra, 0);
 }
 
+TEST(PrintedPrisms, HaveTheRightSignWhereverTheirDistanceIsRight) {
+    std::mt19937 random(12);
+    int compared = 0;
+    for (int round = 0; round < 5; ++round) {
+        const Case solid(random_spiky_solid(40 + 40 * round, random), 40, 6.0);
+        const ConvertResult exact = convert(
+            solid.mesh,
+            {.voxel_size_world = solid.voxel, .half_width_voxels = 6, .sign = SignMethod::Normal});
+        const auto found =
+            band_map(solid.field_of(scan_convert_prisms(solid.lattice, 6, Gaps::Close, no_limit)));
+        for (const auto& [index, value] : band_map(exact.field)) {
+            const auto at = found.find(index);
+            if (at == found.end() || std::abs(value) < 1e-9 * solid.voxel) continue;
+            // Another feature at nearly the same distance may lie on the other side: only samples
+            // with the same distance, to the float's rounding, tell.
+            if (std::abs(std::abs(at->second) - std::abs(value)) > ulp(value)) continue;
+            ++compared;
+            ASSERT_EQ(std::signbit(at->second), std::signbit(value));
+        }
+    }
+    EXPECT_GT(compared, 10000);
+}
+
 TEST(PrintedPrisms, LoseSomeOfTheBunnysBandAndNeverComeTooNear) {
     const auto path = shared_data("bunny-closed.obj");
     if (!std::filesystem::exists(path)) GTEST_SKIP() << "no " << path;

@@ -1,6 +1,7 @@
 // The thesis's claim about kD-trees with overlapping nodes, measured: bench_kd_tree [MESH…].
 // SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/convert.h"
+#include "distance_transform/kd_dense.h"
 #include "distance_transform/kd_tree.h"
 #include "distance_transform/mesh_files.h"
 #include "distance_transform/sample_meshes.h"
@@ -91,6 +92,40 @@ void print_queries(const std::string& name, const Mesh& mesh) {
     }
 }
 
+/// The dense field of resolution^3 samples about the mesh's middle, by blocks, and rows of it by a
+/// query a sample that starts from the last one's answer, on one thread.
+void print_dense(const std::string& name, const Mesh& mesh, int resolution) {
+    const double voxel = bounding_box(mesh).size().maxCoeff() / (resolution - 9);
+    const LatticeMesh lattice = on_lattice(mesh, voxel, 3);
+    const SignOracle sign = Pseudonormals(lattice.mesh);
+    const Index3 lo = lattice.anchor - Index3::Constant(resolution / 2);
+    const IndexBox box = {lo, lo + Index3::Constant(resolution)};
+    const auto samples = static_cast<double>(box.sample_count());
+
+    const auto start = std::chrono::steady_clock::now();
+    const KdTree tree(lattice.mesh);
+    const KdDenseResult result = dense_distances(lattice, tree, sign, {.box = box});
+    const double seconds = seconds_since(start);
+
+    constexpr int row_step = 16;
+    std::size_t queries = 0;
+    const auto row_start = std::chrono::steady_clock::now();
+    for (int z = 0; z < resolution; z += row_step)
+        for (int y = 0; y < resolution; y += row_step) {
+            double bound = std::numeric_limits<double>::infinity();
+            for (int x = 0; x < resolution; ++x, ++queries) {
+                const Vec3d p = (lo - lattice.anchor + Index3(x, y, z)).cast<double>();
+                // One voxel on, the distance is at most one more.
+                bound = std::sqrt(tree.closest(p, bound)->closest.squared_distance) + 1.001;
+            }
+        }
+    fmt::print("{} dense {}^3: by blocks {:.2f} s, {:.0f} ns a sample, {:.2f} distances a sample; "
+               "a query a sample {:.0f} ns on one thread\n",
+               name, resolution, seconds, seconds / samples * 1e9,
+               static_cast<double>(result.distance_evaluations) / samples,
+               seconds_since(row_start) / static_cast<double>(queries) * 1e9);
+}
+
 } // namespace
 } // namespace isocast
 
@@ -104,6 +139,12 @@ int main(int argc, char** argv) {
                 print_queries(name, check(sample_mesh(name)).mesh);
         for (int i = 1; i < argc; ++i)
             print_queries(std::filesystem::path(argv[i]).stem(), check(read_mesh(argv[i])).mesh);
+        fmt::print("\n");
+        if (argc == 1)
+            for (const std::string& name : sample_mesh_names())
+                print_dense(name, check(sample_mesh(name)).mesh, 256);
+        for (int i = 1; i < argc; ++i)
+            print_dense(std::filesystem::path(argv[i]).stem(), check(read_mesh(argv[i])).mesh, 256);
     } catch (const std::exception& error) {
         fmt::print(stderr, "bench_kd_tree: {}\n", error.what());
         return 1;

@@ -4,6 +4,7 @@
 
 #include "distance_transform/band_blocks.h"
 #include "distance_transform/progress_meter.h"
+#include "distance_transform/triangle_frame.h"
 #include "volume/errors.h"
 
 #include <fmt/format.h>
@@ -39,11 +40,11 @@ Vec3d corner_direction(int k) {
 
 /// A triangle that may be closest to some sample of a cube, and what is known at its centre c.
 struct Candidate {
-    std::int32_t local; // number in the block
-    Feature feature;    // closest to c
-    double distance;    // of c
-    Vec3d closest;      // to c
-    Vec3d direction;    // from `closest` to c, unit; 0 where the distance is 0
+    std::int32_t triangle;
+    Feature feature; // closest to c
+    double distance; // of c
+    Vec3d closest;   // to c
+    Vec3d direction; // from `closest` to c, unit; 0 where the distance is 0
 };
 
 /// What of a triangle can matter within a cube, when triangle j is known.
@@ -71,7 +72,8 @@ struct Reach {
 /// One block's descent 16^3 → 8^3 → 4^3 → 2^3 → sample, in voxels from the lattice's anchor.
 class Descent {
 public:
-    Descent(const Mesh& mesh, const KdTree& tree) : mesh_(mesh), tree_(tree) {}
+    Descent(std::span<const TriangleFrame> triangles, const KdTree& tree)
+        : triangles_(triangles), tree_(tree) {}
 
     /// Calls at_sample(index, triangle, closest) for every sample of `block` in `wanted`.
     template<class AtSample>
@@ -79,13 +81,11 @@ public:
         const Vec3d centre = block.centre();
         // The last block's answer bounds this one's; the slack is for its rounding.
         double bound = std::numeric_limits<double>::infinity();
-        if (hint_ >= 0) bound = distance_to(centre, corners_of(hint_)) + culling_slack;
+        if (hint_ >= 0) bound = candidate_at(centre, hint_, Feature::Face).distance + culling_slack;
         const auto nearest = tree_.closest(centre, bound);
         hint_ = nearest->triangle;
-        const Reach reach = reach_of(block, corners_of(hint_));
-        corners_.clear();
-        triangles_.clear();
-        std::vector<Candidate>& candidates = level(0);
+        const Reach reach = reach_of(block, hint_, nearest->closest.feature);
+        std::vector<Candidate>& candidates = levels_[0];
         candidates.clear();
         tree_.visit(
             centre,
@@ -93,16 +93,9 @@ public:
                 const double distance = offset.norm();
                 return !(distance > 0) || reach.holds(distance, offset / distance);
             },
-            [&](std::int32_t triangle, const Corners& corners) {
-                corners_.push_back(corners);
-                const Candidate c =
-                    candidate_at(centre, static_cast<std::int32_t>(triangles_.size()));
-                if (!reach.holds(c.distance, c.direction)) {
-                    corners_.pop_back();
-                    return;
-                }
-                triangles_.push_back(triangle);
-                candidates.push_back(c);
+            [&](std::int32_t triangle, const Corners&) {
+                const Candidate c = candidate_at(centre, triangle, Feature::Face);
+                if (reach.holds(c.distance, c.direction)) candidates.push_back(c);
             });
         descend(block, wanted, 0, at_sample);
     }
@@ -110,42 +103,37 @@ public:
     std::int64_t evaluations() const { return evaluations_; }
 
 private:
-    Corners corners_of(std::int32_t triangle) const {
-        const auto [a, b, c] = mesh_.triangles[triangle];
-        return {mesh_.vertices_world[a], mesh_.vertices_world[b], mesh_.vertices_world[c]};
-    }
-
-    double distance_to(const Vec3d& p, const Corners& corners) {
+    ClosestPoint closest_at(const Vec3d& p, std::int32_t triangle, Feature guess) {
         ++evaluations_;
-        return std::sqrt(closest_point(p, corners).squared_distance);
+        return closest_point(p, triangles_[triangle], guess);
     }
 
-    Reach reach_of(const Cube& cube, const Corners& corners) {
-        Reach reach{cube.half_edge(), {}};
-        for (int k = 0; k < 8; ++k)
-            reach.at_corner[k] =
-                distance_to(cube.centre() + cube.half_edge() * corner_direction(k), corners) +
-                culling_slack;
-        return reach;
-    }
-
-    Candidate candidate_at(const Vec3d& p, std::int32_t local) {
-        ++evaluations_;
-        const ClosestPoint found = closest_point(p, corners_[local]);
+    Candidate candidate_at(const Vec3d& p, std::int32_t triangle, Feature guess) {
+        const ClosestPoint found = closest_at(p, triangle, guess);
         const double distance = std::sqrt(found.squared_distance);
         const Vec3d offset = p - found.p;
         const Vec3d direction = distance > 0 ? Vec3d(offset / distance) : Vec3d::Zero();
-        return {local, found.feature, distance, found.p, direction};
+        return {triangle, found.feature, distance, found.p, direction};
     }
 
-    /// True if the corner closest to the centre is the triangle's closest point to all of the cube.
-    bool is_its_corner(const Candidate& c, const Vec3d& centre, double half_edge) const {
-        if (c.feature < Feature::Vertex0) return false;
-        const int k = static_cast<int>(c.feature) - static_cast<int>(Feature::Vertex0);
-        const Corners& corners = corners_[c.local];
-        for (const int other : {(k + 1) % 3, (k + 2) % 3}) {
-            const Vec3d edge = corners[other] - corners[k];
-            if ((centre - corners[k]).dot(edge) + half_edge * edge.lpNorm<1>() > 0) return false;
+    Reach reach_of(const Cube& cube, std::int32_t triangle, Feature guess) {
+        Reach reach{cube.half_edge(), {}};
+        for (int k = 0; k < 8; ++k) {
+            const Vec3d corner = cube.centre() + cube.half_edge() * corner_direction(k);
+            reach.at_corner[k] =
+                std::sqrt(closest_at(corner, triangle, guess).squared_distance) + culling_slack;
+        }
+        return reach;
+    }
+
+    /// True if no point of the triangle is closer than `q` to any point of the cube: from |p - x|^2
+    /// = |p - q|^2 - 2 (p - q) · (x - q) + |x - q|^2, if (p - q) · (x - q) <= 0 for its corners x.
+    static bool is_behind(const Vec3d& q, const Corners& corners, const Vec3d& centre,
+                          double half_edge) {
+        const Vec3d to_centre = centre - q;
+        for (const Vec3d& corner : corners) {
+            const Vec3d edge = corner - q;
+            if (to_centre.dot(edge) + half_edge * edge.lpNorm<1>() > 0) return false;
         }
         return true;
     }
@@ -156,29 +144,30 @@ private:
         std::swap(*candidates.begin(), *nearest);
         if (candidates.size() == 1) return;
         const Candidate front = candidates.front();
-        const Reach reach = reach_of(cube, corners_[front.local]);
         const Vec3d centre = cube.centre();
-        const auto is_useless = [&](const Candidate& c) {
-            // Of the triangles around a vertex to which a cube belongs, one is enough.
-            return !reach.holds(c.distance, c.direction) ||
-                   (c.closest == front.closest && is_its_corner(c, centre, cube.half_edge()));
-        };
-        candidates.erase(std::remove_if(candidates.begin() + 1, candidates.end(), is_useless),
+        // This leaves, say, one of the triangles around a vertex to which a cube belongs.
+        candidates.erase(std::remove_if(candidates.begin() + 1, candidates.end(),
+                                        [&](const Candidate& c) {
+                                            return is_behind(front.closest, triangles_[c.triangle].corners,
+                                                             centre, cube.half_edge());
+                                        }),
                          candidates.end());
+        if (candidates.size() == 1 || cube.size == 2) return;
+        const Reach reach = reach_of(cube, front.triangle, front.feature);
+        std::erase_if(candidates,
+                      [&](const Candidate& c) { return !reach.holds(c.distance, c.direction); });
     }
-
-    std::vector<Candidate>& level(std::size_t depth) { return levels_[depth]; }
 
     template<class AtSample>
     void descend(const Cube& cube, const IndexBox& wanted, std::size_t depth,
                  const AtSample& at_sample) {
-        const std::vector<Candidate>& parents = level(depth);
+        const std::vector<Candidate>& parents = levels_[depth];
         const Vec3d centre = cube.centre();
         if (parents.size() == 1 || cube.size == 2) {
             visit_samples(cube, wanted, centre, parents, at_sample);
             return;
         }
-        std::vector<Candidate>& kept = level(depth + 1);
+        std::vector<Candidate>& kept = levels_[depth + 1];
         for (int k = 0; k < 8; ++k) {
             const Cube child = cube.child(k);
             const Index3 end = child.first + Index3::Constant(child.size);
@@ -197,8 +186,10 @@ private:
                     culling_slack;
             kept.clear();
             for (const Candidate& c : parents)
-                if (reach.holds(c.distance + c.direction.dot(offset), c.direction))
-                    kept.push_back(candidate_at(point, c.local));
+                if (reach.holds(c.distance + c.direction.dot(offset), c.direction) &&
+                    (&c == upper ||
+                     !is_behind(upper->closest, triangles_[c.triangle].corners, point, child.half_edge())))
+                    kept.push_back(candidate_at(point, c.triangle, c.feature));
             cull(child, kept);
             descend(child, wanted, depth + 1, at_sample);
         }
@@ -214,28 +205,26 @@ private:
                 for (int x = samples.lo.x(); x < samples.hi.x(); ++x) {
                     const Vec3d p = Vec3d(x, y, z);
                     const Vec3d offset = p - centre;
-                    std::int32_t best_local = candidates.front().local;
-                    ++evaluations_;
-                    ClosestPoint best = closest_point(p, corners_[best_local]);
+                    std::int32_t best_triangle = candidates.front().triangle;
+                    ClosestPoint best = closest_at(p, best_triangle, candidates.front().feature);
                     double reach = std::sqrt(best.squared_distance) + culling_slack;
                     for (const Candidate& c : candidates.subspan(1)) {
-                        if (c.distance + c.direction.dot(offset) > reach) continue;
-                        ++evaluations_;
-                        const ClosestPoint found = closest_point(p, corners_[c.local]);
+                        if (c.distance + c.direction.dot(offset) > reach ||
+                            is_behind(best.p, triangles_[c.triangle].corners, p, 0))
+                            continue;
+                        const ClosestPoint found = closest_at(p, c.triangle, c.feature);
                         if (found.squared_distance >= best.squared_distance) continue;
                         best = found;
-                        best_local = c.local;
+                        best_triangle = c.triangle;
                         reach = std::sqrt(best.squared_distance) + culling_slack;
                     }
-                    at_sample(Index3(x, y, z), triangles_[best_local], best);
+                    at_sample(Index3(x, y, z), best_triangle, best);
                 }
     }
 
-    const Mesh& mesh_;
+    std::span<const TriangleFrame> triangles_;
     const KdTree& tree_;
     std::int32_t hint_ = -1;
-    std::vector<Corners> corners_;        // of the block's candidates
-    std::vector<std::int32_t> triangles_; // likewise, in the mesh
     std::array<std::vector<Candidate>, 5> levels_;
     std::int64_t evaluations_ = 0;
 };
@@ -302,12 +291,18 @@ KdDenseResult dense_distances(const LatticeMesh& lattice, const KdTree& tree,
     const double voxel_size = lattice.space.voxel_size_world();
     const auto* normals = std::get_if<Pseudonormals>(&sign);
     std::vector<float> values(static_cast<std::size_t>(box.sample_count()));
+    std::vector<TriangleFrame> triangles;
+    triangles.reserve(lattice.mesh.triangles.size());
+    for (const auto& [a, b, c] : lattice.mesh.triangles)
+        triangles.emplace_back(Corners{lattice.mesh.vertices_world[a],
+                                       lattice.mesh.vertices_world[b],
+                                       lattice.mesh.vertices_world[c]});
     ProgressMeter meter(progress, "distances", double(blocks.y()) * blocks.z(), 16);
     std::atomic<std::int64_t> evaluations = 0;
 
     // A row of blocks along x goes by one thread, so that each starts from the last one's answer.
     tbb::parallel_for(std::int64_t{0}, std::int64_t{blocks.y()} * blocks.z(), [&](std::int64_t row) {
-        Descent descent(lattice.mesh, tree);
+        Descent descent(triangles, tree);
         std::vector<double> distances;
         for (int x = 0; x < blocks.x(); ++x) {
             const Cube cube{box.lo + dense_block * Index3(x, static_cast<int>(row % blocks.y()),

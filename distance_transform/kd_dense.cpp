@@ -163,8 +163,12 @@ private:
                  const AtSample& at_sample) {
         const std::vector<Candidate>& parents = levels_[depth];
         const Vec3d centre = cube.centre();
-        if (parents.size() == 1 || cube.size == 2) {
-            visit_samples(cube, wanted, centre, parents, at_sample);
+        if (parents.size() == 1) {
+            fill(cube, wanted, parents.front(), at_sample);
+            return;
+        }
+        if (cube.size == 2) {
+            visit_samples(cube, wanted, parents, at_sample);
             return;
         }
         std::vector<Candidate>& kept = levels_[depth + 1];
@@ -195,31 +199,53 @@ private:
         }
     }
 
+    /// All samples of a cube in which nothing but `only` matters.
     template<class AtSample>
-    void visit_samples(const Cube& cube, const IndexBox& wanted, const Vec3d& centre,
-                       std::span<const Candidate> candidates, const AtSample& at_sample) {
+    void fill(const Cube& cube, const IndexBox& wanted, const Candidate& only,
+              const AtSample& at_sample) {
         const Index3 end = cube.first + Index3::Constant(cube.size);
         const IndexBox samples = intersection({cube.first, end}, wanted);
         for (int z = samples.lo.z(); z < samples.hi.z(); ++z)
             for (int y = samples.lo.y(); y < samples.hi.y(); ++y)
-                for (int x = samples.lo.x(); x < samples.hi.x(); ++x) {
-                    const Vec3d p = Vec3d(x, y, z);
-                    const Vec3d offset = p - centre;
-                    std::int32_t best_triangle = candidates.front().triangle;
-                    ClosestPoint best = closest_at(p, best_triangle, candidates.front().feature);
-                    double reach = std::sqrt(best.squared_distance) + culling_slack;
-                    for (const Candidate& c : candidates.subspan(1)) {
-                        if (c.distance + c.direction.dot(offset) > reach ||
-                            is_behind(best.p, triangles_[c.triangle].corners, p, 0))
-                            continue;
-                        const ClosestPoint found = closest_at(p, c.triangle, c.feature);
-                        if (found.squared_distance >= best.squared_distance) continue;
-                        best = found;
-                        best_triangle = c.triangle;
-                        reach = std::sqrt(best.squared_distance) + culling_slack;
-                    }
-                    at_sample(Index3(x, y, z), best_triangle, best);
-                }
+                for (int x = samples.lo.x(); x < samples.hi.x(); ++x)
+                    at_sample({x, y, z}, only.triangle,
+                              closest_at(Vec3d(x, y, z), only.triangle, only.feature));
+    }
+
+    /// A cube of 2^3: its samples are its corners.
+    template<class AtSample>
+    void visit_samples(const Cube& cube, const IndexBox& wanted,
+                       std::span<const Candidate> candidates, const AtSample& at_sample) {
+        std::array<Vec3d, 8> points;
+        std::array<ClosestPoint, 8> best;
+        std::array<std::int32_t, 8> best_triangle;
+        best_triangle.fill(candidates.front().triangle);
+        Reach reach{cube.half_edge(), {}};
+        const auto set_best = [&](int k, const ClosestPoint& found) {
+            best[k] = found;
+            reach.at_corner[k] = std::sqrt(found.squared_distance) + culling_slack;
+        };
+        for (int k = 0; k < 8; ++k) {
+            points[k] = cube.centre() + 0.5 * corner_direction(k);
+            set_best(k, closest_at(points[k], best_triangle[k], candidates.front().feature));
+        }
+        for (const Candidate& c : candidates.subspan(1)) {
+            if (!reach.holds(c.distance, c.direction)) continue;
+            for (int k = 0; k < 8; ++k) {
+                const double least = c.distance + 0.5 * c.direction.dot(corner_direction(k));
+                if (least > reach.at_corner[k] ||
+                    is_behind(best[k].p, triangles_[c.triangle].corners, points[k], 0))
+                    continue;
+                const ClosestPoint found = closest_at(points[k], c.triangle, c.feature);
+                if (found.squared_distance >= best[k].squared_distance) continue;
+                set_best(k, found);
+                best_triangle[k] = c.triangle;
+            }
+        }
+        for (int k = 0; k < 8; ++k) {
+            const Index3 index = cube.first + Index3(k & 1, k >> 1 & 1, k >> 2);
+            if (wanted.contains(index)) at_sample(index, best_triangle[k], best[k]);
+        }
     }
 
     std::span<const TriangleFrame> triangles_;

@@ -21,26 +21,49 @@ bool is_closer(const KdTree::Nearest& a, const KdTree::Nearest& b) {
            std::pair(b.closest.squared_distance, b.triangle);
 }
 
-/// Where the ray meets the triangle. The sign of each edge's product turns exactly with the edge,
-/// so that of two triangles at an edge at least one is met.
-std::optional<double> ray_parameter(const Vec3d& origin, const Vec3d& direction,
-                                    const std::array<Vec3d, 3>& corners) {
-    const Vec3d a = corners[0] - origin;
-    const Vec3d b = corners[1] - origin;
-    const Vec3d c = corners[2] - origin;
-    const double weight_a = direction.dot(b.cross(c));
-    const double weight_b = direction.dot(c.cross(a));
-    const double weight_c = direction.dot(a.cross(b));
-    const bool is_positive = weight_a >= 0 && weight_b >= 0 && weight_c >= 0;
-    const bool is_negative = weight_a <= 0 && weight_b <= 0 && weight_c <= 0;
-    if (!is_positive && !is_negative) return std::nullopt;
-    const Vec3d normal = (b - a).cross(c - a);
-    const double slope = normal.dot(direction);
-    if (slope == 0) return std::nullopt;
-    const double t = normal.dot(a) / slope;
-    if (!(t >= 0)) return std::nullopt;
-    return t;
-}
+/// Watertight: seen along the ray the sign of an edge's product is right or 0 for the sheared
+/// corners, since rounding keeps order, and triangles that share a corner share its sheared place.
+/// So of those around an edge or a vertex that the ray meets at least one is hit.
+///
+/// source  Woop, Benthin & Wald 2013
+class ShearedRay {
+public:
+    ShearedRay(const Vec3d& origin, const Vec3d& direction) : origin_(origin) {
+        direction.cwiseAbs().maxCoeff(&along_);
+        shear_ = direction / direction[along_];
+        scale_ = 1 / direction[along_];
+    }
+
+    std::optional<double> hit(const std::array<Vec3d, 3>& corners) const {
+        const Vec3d a = sheared(corners[0]);
+        const Vec3d b = sheared(corners[1]);
+        const Vec3d c = sheared(corners[2]);
+        const double weight_a = c.x() * b.y() - c.y() * b.x();
+        const double weight_b = a.x() * c.y() - a.y() * c.x();
+        const double weight_c = b.x() * a.y() - b.y() * a.x();
+        const bool is_positive = weight_a >= 0 && weight_b >= 0 && weight_c >= 0;
+        const bool is_negative = weight_a <= 0 && weight_b <= 0 && weight_c <= 0;
+        const double area = weight_a + weight_b + weight_c;
+        if (!(is_positive || is_negative) || area == 0) return std::nullopt;
+        const double t = scale_ * (weight_a * a.z() + weight_b * b.z() + weight_c * c.z()) / area;
+        if (!(t >= 0)) return std::nullopt;
+        return t;
+    }
+
+private:
+    /// From the origin, z along the axis that the ray follows most.
+    Vec3d sheared(const Vec3d& corner) const {
+        const Vec3d p = corner - origin_;
+        const int x = (along_ + 1) % 3;
+        const int y = (along_ + 2) % 3;
+        return {p[x] - shear_[x] * p[along_], p[y] - shear_[y] * p[along_], p[along_]};
+    }
+
+    Vec3d origin_;
+    Vec3d shear_;
+    double scale_;
+    int along_ = 0;
+};
 
 /// The part of a ray within a box, or within a half space of it.
 struct Interval {
@@ -159,6 +182,7 @@ std::optional<KdTree::Hit> KdTree::first_hit(const Vec3d& origin, const Vec3d& d
     };
     std::array<Pending, greatest_kd_depth + 1> pending;
     KdMailbox tested;
+    const ShearedRay ray(origin, direction);
     Hit best{greatest_t, std::numeric_limits<std::int32_t>::max()};
     bool is_found = false;
     pending[0] = {{0, infinity}, 0};
@@ -174,7 +198,7 @@ std::optional<KdTree::Hit> KdTree::first_hit(const Vec3d& origin, const Vec3d& d
         for (std::int32_t i = node.first; i < node.first + node.count; ++i) {
             if (has_duplicates_ && !tested.is_new(triangles_[i])) continue;
             if (statistics) ++statistics->objects_tested;
-            const std::optional<double> t = ray_parameter(origin, direction, corners_[i]);
+            const std::optional<double> t = ray.hit(corners_[i]);
             if (!t || std::pair(*t, triangles_[i]) >= std::pair(best.t, best.triangle)) continue;
             best = {*t, triangles_[i]};
             is_found = true;

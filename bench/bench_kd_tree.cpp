@@ -37,58 +37,49 @@ std::vector<Vec3d> query_points(const KdTree& tree, const WorldBox& box, std::si
     const double band = 3 * voxel_size_for_resolution(box, 256);
     std::vector<Vec3d> points;
     while (points.size() < count) {
-        const Vec3d p =
-            lo + Vec3d(unit(random), unit(random), unit(random)).cwiseProduct(size);
+        const Vec3d p = lo + Vec3d(unit(random), unit(random), unit(random)).cwiseProduct(size);
         if (!in_band || tree.closest(p, band)) points.push_back(p);
     }
     return points;
 }
 
+/// A row of the table: the mean of query(i, statistics) over i < count, timed without counting.
 template<class Query>
-void print_row(const char* mesh, const Variant& variant, const char* kind, double build_seconds,
+void print_row(const std::string& mesh, const char* kind, const char* variant, double build_seconds,
                std::size_t count, const Query& query) {
     KdStatistics statistics;
     for (std::size_t i = 0; i < count; ++i) query(i, &statistics);
     const auto start = std::chrono::steady_clock::now();
     for (std::size_t i = 0; i < count; ++i) query(i, nullptr);
     const double n = static_cast<double>(count);
-    fmt::print("| {} | {} | {} | {:.1f} | {:.1f} | {:.1f} | {:.0f} |\n", mesh, kind, variant.name,
+    fmt::print("| {} | {} | {} | {:.1f} | {:.1f} | {:.1f} | {:.0f} |\n", mesh, kind, variant,
                build_seconds * 1e3, static_cast<double>(statistics.nodes_visited) / n,
                static_cast<double>(statistics.objects_tested) / n, seconds_since(start) / n * 1e9);
 }
 
 void print_queries(const std::string& name, const Mesh& mesh) {
-    const WorldBox box = bounding_box(mesh);
     constexpr std::size_t count = 20000;
-    constexpr std::size_t nearest_count = 8;
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    const WorldBox box = bounding_box(mesh);
     const KdTree reference(mesh);
     const std::vector<Vec3d> band = query_points(reference, box, count, true);
     const std::vector<Vec3d> anywhere = query_points(reference, box, count, false);
-    for (const auto& kind : {"band", "box", "rays", "8 nearest"}) {
-        for (const Variant& variant : variants) {
-            const auto start = std::chrono::steady_clock::now();
-            const KdTree tree(mesh, variant.variant);
-            const double build_seconds = seconds_since(start);
-            const auto row = [&](const auto& query) {
-                print_row(name.c_str(), variant, kind, build_seconds, count, query);
-            };
-            constexpr double infinity = std::numeric_limits<double>::infinity();
-            const std::string_view k = kind;
-            if (k == "band")
-                row([&](std::size_t i, KdStatistics* s) { tree.closest(band[i], infinity, s); });
-            else if (k == "box")
-                row([&](std::size_t i, KdStatistics* s) {
-                    tree.closest(anywhere[i], infinity, s);
-                });
-            else if (k == "rays")
-                row([&](std::size_t i, KdStatistics* s) {
-                    tree.first_hit(anywhere[i], band[i] - anywhere[i], infinity, s);
-                });
-            else
-                row([&](std::size_t i, KdStatistics* s) {
-                    tree.k_nearest(anywhere[i], nearest_count, s);
-                });
-        }
+    for (const auto& [variant_name, variant] : variants) {
+        const auto start = std::chrono::steady_clock::now();
+        const KdTree tree(mesh, variant);
+        const double build_seconds = seconds_since(start);
+        const auto row = [&](const char* kind, const auto& query) {
+            print_row(name, kind, variant_name, build_seconds, count, query);
+        };
+        row("closest, in the band",
+            [&](std::size_t i, KdStatistics* s) { tree.closest(band[i], infinity, s); });
+        row("closest, in the box",
+            [&](std::size_t i, KdStatistics* s) { tree.closest(anywhere[i], infinity, s); });
+        row("8 nearest, in the box",
+            [&](std::size_t i, KdStatistics* s) { tree.k_nearest(anywhere[i], 8, s); });
+        row("rays towards the band", [&](std::size_t i, KdStatistics* s) {
+            tree.first_hit(anywhere[i], band[i] - anywhere[i], infinity, s);
+        });
     }
 }
 

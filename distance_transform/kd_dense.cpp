@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/kd_dense.h"
 
-#include "distance_transform/band_blocks.h"
 #include "distance_transform/progress_meter.h"
 #include "distance_transform/triangle_frame.h"
 #include "volume/errors.h"
@@ -18,8 +17,12 @@ namespace isocast {
 
 namespace {
 
-/// Samples along a block's edge: the fastest of 8, 16, 32 in bench_kd_tree.
+/// Samples along a block's edge: for the bunny at 192^3 8 takes 1.4 times as long, 32 as long.
 constexpr int dense_block = 16;
+
+/// Culling margin [voxels]: far above the rounding of distances between coordinates below 2^28
+/// voxels (1e-7), far below what culling gains.
+constexpr double culling_slack = 1e-6;
 
 using Corners = std::array<Vec3d, 3>;
 
@@ -62,10 +65,9 @@ struct Reach {
         const Vec3d d = half_edge * direction;
         const std::array<double, 4> xy = {distance - d.x() - d.y(), distance + d.x() - d.y(),
                                           distance - d.x() + d.y(), distance + d.x() + d.y()};
-        bool is_near = false;
         for (int k = 0; k < 4; ++k)
-            is_near |= (xy[k] - d.z() <= at_corner[k]) | (xy[k] + d.z() <= at_corner[k + 4]);
-        return is_near;
+            if (xy[k] - d.z() <= at_corner[k] || xy[k] + d.z() <= at_corner[k + 4]) return true;
+        return false;
     }
 };
 
@@ -148,8 +150,9 @@ private:
         // This leaves, say, one of the triangles around a vertex to which a cube belongs.
         candidates.erase(std::remove_if(candidates.begin() + 1, candidates.end(),
                                         [&](const Candidate& c) {
-                                            return is_behind(front.closest, triangles_[c.triangle].corners,
-                                                             centre, cube.half_edge());
+                                            return is_behind(front.closest,
+                                                             triangles_[c.triangle].corners, centre,
+                                                             cube.half_edge());
                                         }),
                          candidates.end());
         if (candidates.size() == 1 || cube.size == 2) return;
@@ -191,8 +194,8 @@ private:
             kept.clear();
             for (const Candidate& c : parents)
                 if (reach.holds(c.distance + c.direction.dot(offset), c.direction) &&
-                    (&c == upper ||
-                     !is_behind(upper->closest, triangles_[c.triangle].corners, point, child.half_edge())))
+                    (&c == upper || !is_behind(upper->closest, triangles_[c.triangle].corners,
+                                               point, child.half_edge())))
                     kept.push_back(candidate_at(point, c.triangle, c.feature));
             cull(child, kept);
             descend(child, wanted, depth + 1, at_sample);
@@ -267,8 +270,7 @@ void sign_by_winding(const IndexBox& block, std::span<double> distances,
         if (is_known[seed]) continue;
         const int i = static_cast<int>(seed);
         reached.emplace_back(i % stride.y(), i / stride.y() % size.y(), i / stride.z());
-        const double sign =
-            winding.is_inside((block.lo + reached.front()).cast<double>()) ? -1 : 1;
+        const double sign = winding.is_inside((block.lo + reached.front()).cast<double>()) ? -1 : 1;
         is_known[seed] = true;
         distances[seed] *= sign;
         while (is_constant_off_surface && !reached.empty()) {
@@ -301,8 +303,8 @@ void require_usable(const KdDenseOptions& options) {
     if (bytes > options.memory_bytes)
         throw ResourceError(fmt::format("{} x {} x {} samples would take {:.3g} GB of memory, more "
                                         "than the {:.3g} GB that may be used",
-                                        box.size().x(), box.size().y(), box.size().z(),
-                                        bytes / 1e9, options.memory_bytes / 1e9));
+                                        box.size().x(), box.size().y(), box.size().z(), bytes / 1e9,
+                                        options.memory_bytes / 1e9));
 }
 
 } // namespace
@@ -327,45 +329,48 @@ KdDenseResult dense_distances(const LatticeMesh& lattice, const KdTree& tree,
     std::atomic<std::int64_t> evaluations = 0;
 
     // A row of blocks along x goes by one thread, so that each starts from the last one's answer.
-    tbb::parallel_for(std::int64_t{0}, std::int64_t{blocks.y()} * blocks.z(), [&](std::int64_t row) {
-        Descent descent(triangles, tree);
-        std::vector<double> distances;
-        for (int x = 0; x < blocks.x(); ++x) {
-            const Cube cube{box.lo + dense_block * Index3(x, static_cast<int>(row % blocks.y()),
-                                                          static_cast<int>(row / blocks.y())),
-                            dense_block};
-            const IndexBox block =
-                intersection(box, {cube.first, cube.first + Index3::Constant(dense_block)});
-            const Index3 block_size_samples = block.size();
-            distances.resize(static_cast<std::size_t>(block.sample_count()));
-            descent.run(cube, block, [&](const Index3& index, std::int32_t triangle,
-                                         const ClosestPoint& closest) {
-                const Index3 local = index - block.lo;
-                const bool is_inside =
-                    normals && (index.cast<double>() - closest.p)
-                                       .dot(normals->at(triangle, closest.feature)) < 0;
-                const double distance = std::sqrt(closest.squared_distance);
-                distances[local.x() + block_size_samples.x() *
-                                          (local.y() + block_size_samples.y() * local.z())] =
-                    is_inside ? -distance : distance;
-            });
-            if (!normals)
-                sign_by_winding(block, distances, std::get<WindingNumber>(sign),
-                                options.is_closed_and_oriented);
-            const Index3 first = block.lo - box.lo;
-            std::size_t from = 0;
-            for (int z = 0; z < block_size_samples.z(); ++z)
-                for (int y = 0; y < block_size_samples.y(); ++y) {
-                    const std::size_t to =
-                        first.x() + size.x() * (first.y() + y +
-                                                std::size_t(size.y()) * (first.z() + z));
-                    for (int i = 0; i < block_size_samples.x(); ++i)
-                        values[to + i] = static_cast<float>(voxel_size * distances[from++]);
-                }
-        }
-        evaluations += descent.evaluations();
-        meter.add(1);
-    });
+    tbb::parallel_for(
+        std::int64_t{0}, std::int64_t{blocks.y()} * blocks.z(), [&](std::int64_t row) {
+            Descent descent(triangles, tree);
+            std::vector<double> distances;
+            for (int x = 0; x < blocks.x(); ++x) {
+                const Cube cube{box.lo + dense_block * Index3(x, static_cast<int>(row % blocks.y()),
+                                                              static_cast<int>(row / blocks.y())),
+                                dense_block};
+                const IndexBox block =
+                    intersection(box, {cube.first, cube.first + Index3::Constant(dense_block)});
+                const Index3 block_size_samples = block.size();
+                distances.resize(static_cast<std::size_t>(block.sample_count()));
+                descent.run(
+                    cube, block,
+                    [&](const Index3& index, std::int32_t triangle, const ClosestPoint& closest) {
+                        const Index3 local = index - block.lo;
+                        const bool is_inside =
+                            normals && (index.cast<double>() - closest.p)
+                                               .dot(normals->at(triangle, closest.feature)) < 0;
+                        const double distance = std::sqrt(closest.squared_distance);
+                        distances[local.x() +
+                                  block_size_samples.x() *
+                                      (local.y() + block_size_samples.y() * local.z())] =
+                            is_inside ? -distance : distance;
+                    });
+                if (!normals)
+                    sign_by_winding(block, distances, std::get<WindingNumber>(sign),
+                                    options.is_closed_and_oriented);
+                const Index3 first = block.lo - box.lo;
+                std::size_t from = 0;
+                for (int z = 0; z < block_size_samples.z(); ++z)
+                    for (int y = 0; y < block_size_samples.y(); ++y) {
+                        const std::size_t to =
+                            first.x() +
+                            size.x() * (first.y() + y + std::size_t(size.y()) * (first.z() + z));
+                        for (int i = 0; i < block_size_samples.x(); ++i)
+                            values[to + i] = static_cast<float>(voxel_size * distances[from++]);
+                    }
+            }
+            evaluations += descent.evaluations();
+            meter.add(1);
+        });
     return {.field = DenseField(lattice.space, options.box, std::move(values)),
             .distance_evaluations = evaluations};
 }

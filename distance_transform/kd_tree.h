@@ -45,10 +45,9 @@ public:
 
     /// The closest triangle to `p`; of several at the same distance the first of the mesh. Nothing
     /// if all are farther than `greatest_distance`.
-    std::optional<Nearest> closest(const Vec3d& p,
-                                   double greatest_distance =
-                                       std::numeric_limits<double>::infinity(),
-                                   KdStatistics* statistics = nullptr) const;
+    std::optional<Nearest>
+    closest(const Vec3d& p, double greatest_distance = std::numeric_limits<double>::infinity(),
+            KdStatistics* statistics = nullptr) const;
 
     /// The `k` closest triangles (or all, if there are fewer) by distance, ties by number.
     std::vector<Nearest> k_nearest(const Vec3d& p, std::size_t k,
@@ -115,8 +114,8 @@ void KdTree::visit(const Vec3d& p, const CanMatter& can_matter, const AtTriangle
             if (beyond_left > std::max(parent, 0.0)) left_offset[node.axis] = beyond_left;
             if (beyond_right > std::max(-parent, 0.0)) right_offset[node.axis] = -beyond_right;
             const bool left_first = beyond_left <= beyond_right;
-            pending[pending_count++] = left_first ? Pending{right_offset, node.right}
-                                                  : Pending{left_offset, index + 1};
+            pending[pending_count++] =
+                left_first ? Pending{right_offset, node.right} : Pending{left_offset, index + 1};
             offset = left_first ? left_offset : right_offset;
             index = left_first ? index + 1 : node.right;
             if (!can_matter(offset)) break;

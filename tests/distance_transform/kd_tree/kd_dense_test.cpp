@@ -113,8 +113,8 @@ TEST(KdDense, FarBoxAgreesWithBruteForce) {
     const LatticeMesh lattice = on_lattice_at(sample_mesh("torus"), 40);
     const Index3 lo = lattice.anchor + Index3(300, -20, 77);
     const IndexBox box = {lo, lo + Index3(20, 19, 18)};
-    const KdDenseResult result = dense_distances(
-        lattice, KdTree(lattice.mesh), Pseudonormals(lattice.mesh), {.box = box});
+    const KdDenseResult result =
+        dense_distances(lattice, KdTree(lattice.mesh), Pseudonormals(lattice.mesh), {.box = box});
     std::size_t i = 0;
     for (int z = 0; z < 18; ++z)
         for (int y = 0; y < 19; ++y)
@@ -157,8 +157,8 @@ TEST(KdDense, IsTheSameOnOneThread) {
 TEST(KdDense, NeedsFewDistancesASample) {
     const LatticeMesh lattice = on_lattice_at(sample_mesh("knot"), 128);
     const IndexBox box = box_around(lattice, 128);
-    const KdDenseResult result = dense_distances(
-        lattice, KdTree(lattice.mesh), Pseudonormals(lattice.mesh), {.box = box});
+    const KdDenseResult result =
+        dense_distances(lattice, KdTree(lattice.mesh), Pseudonormals(lattice.mesh), {.box = box});
     EXPECT_LT(static_cast<double>(result.distance_evaluations),
               4 * static_cast<double>(box.sample_count()));
 }

@@ -118,8 +118,8 @@ void expect_true_answers(const Mesh& mesh, unsigned seed, int queries) {
             const auto nearest = tree.k_nearest(p, k);
             ASSERT_EQ(nearest.size(), std::min(k, all.size()));
             for (std::size_t n = 0; n < nearest.size(); ++n) {
-                ASSERT_NEAR(std::sqrt(nearest[n].closest.squared_distance),
-                            std::sqrt(all[n].first), tolerance);
+                ASSERT_NEAR(std::sqrt(nearest[n].closest.squared_distance), std::sqrt(all[n].first),
+                            tolerance);
                 for (std::size_t m = 0; m < n; ++m)
                     ASSERT_NE(nearest[n].triangle, nearest[m].triangle);
             }
@@ -304,11 +304,14 @@ Work work_of(const Mesh& mesh, KdVariant variant) {
 // their own are split further. What is tested falls by far more than what is visited grows.
 void expect_fewest_tests(const Mesh& mesh) {
     const Work overlapping = work_of(mesh, KdVariant::Overlapping);
-    for (const KdVariant variant : {KdVariant::ObjectsAtNodes, KdVariant::SplitReferences}) {
+    // Measured: at most 0.08 of what objects at nodes test, 0.43 of what split references do.
+    for (const auto& [variant, share] :
+         {std::pair(KdVariant::ObjectsAtNodes, 0.15), std::pair(KdVariant::SplitReferences, 0.6)}) {
         const Work classic = work_of(mesh, variant);
-        // Measured: below 0.55 of split references, below 0.1 of objects at nodes.
-        EXPECT_LT(overlapping.band.objects_tested, 0.7 * classic.band.objects_tested);
-        EXPECT_LT(overlapping.rays.objects_tested, 0.7 * classic.rays.objects_tested);
+        EXPECT_LT(static_cast<double>(overlapping.band.objects_tested),
+                  share * static_cast<double>(classic.band.objects_tested));
+        EXPECT_LT(static_cast<double>(overlapping.rays.objects_tested),
+                  share * static_cast<double>(classic.rays.objects_tested));
         EXPECT_LT(overlapping.band.nodes_visited - classic.band.nodes_visited,
                   classic.band.objects_tested - overlapping.band.objects_tested);
     }

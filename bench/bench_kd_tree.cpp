@@ -64,12 +64,12 @@ void print_queries(const std::string& name, const Mesh& mesh) {
     const KdTree reference(mesh);
     const std::vector<Vec3d> band = query_points(reference, box, count, true);
     const std::vector<Vec3d> anywhere = query_points(reference, box, count, false);
-    for (const auto& [variant_name, variant] : variants) {
+    for (const Variant& variant : variants) {
         const auto start = std::chrono::steady_clock::now();
-        const KdTree tree(mesh, variant);
+        const KdTree tree(mesh, variant.variant);
         const double build_seconds = seconds_since(start);
         const auto row = [&](const char* kind, const auto& query) {
-            print_row(name, kind, variant_name, build_seconds, count, query);
+            print_row(name, kind, variant.name, build_seconds, count, query);
         };
         row("closest, in the band",
             [&](std::size_t i, KdStatistics* s) { tree.closest(band[i], infinity, s); });

@@ -94,7 +94,7 @@ TEST(KdDense, SampleMeshesAgreeWithCgal) {
         expect_agreement_with_cgal(check(sample_mesh(name)).mesh, 36);
 }
 
-class RealMeshes : public ::testing::TestWithParam<std::pair<const char*, int>> {};
+class RealMeshes : public ::testing::TestWithParam<std::pair<std::string, int>> {};
 
 TEST_P(RealMeshes, AgreeWithCgal) {
     const auto& [file, resolution] = GetParam();

@@ -1,8 +1,7 @@
-// Which blocks the band can reach: an octree of blocks is descended, triangles are culled.
+// Which blocks the band can reach: sites are sorted into tiles, and within them into blocks.
 // SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/band_blocks.h"
 
-#include "distance_transform/block_descent.h"
 #include "distance_transform/progress_meter.h"
 #include "volume/errors.h"
 #include "volume/sparse_field.h"
@@ -13,24 +12,20 @@
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
-#include <bit>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
-#include <optional>
+#include <unordered_map>
 
 namespace isocast {
 
 namespace {
 
-[[noreturn]] void refuse(double bytes, double memory_bytes) {
-    constexpr double gibibyte = 0x1p30;
-    throw ResourceError(fmt::format(
-        "the field would take at least {:.3g} GiB, and {:.3g} GiB of memory are available; use a "
-        "larger voxel size or a narrower band",
-        bytes / gibibyte, memory_bytes / gibibyte));
-}
+constexpr int tile_blocks = 8; // along an edge
+constexpr int blocks_per_tile = tile_blocks * tile_blocks * tile_blocks;
 
 /// A number of blocks that the field surely has, from areas and lengths alone.
 double least_block_count(const Mesh& mesh, double half_width) {
@@ -53,175 +48,185 @@ double least_block_count(const Mesh& mesh, double half_width) {
                      ball / samples_per_block});
 }
 
-/// A node of the octree: size^3 blocks from block `first` on.
-struct Node {
-    Index3 first;
-    int size;
-
-    Node child(int k) const {
-        const int half = size / 2;
-        return {first + half * Index3(k & 1, k >> 1 & 1, k >> 2), half};
-    }
-    Vec3d first_sample() const { return block_size * first.cast<double>(); }
-    double extent() const { return block_size * double(size) - 1; }
-};
-
-class BandBlockFinder {
+/// Whether a large face or edge comes near a cell; its box alone says little.
+class NearTest {
 public:
-    BandBlockFinder(const LatticeMesh& lattice, std::span<const TriangleFrame> frames,
-                    double half_width, double memory_bytes, const Progress& progress)
-        : frames_(frames), half_width_(half_width), memory_bytes_(memory_bytes),
-          boxes_(frames.size()) {
-        const Vec3d reach = Vec3d::Constant(half_width + culling_slack);
-        const Mesh& mesh = lattice.mesh;
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, boxes_.size(), 4096), [&](auto&
-                                                                                           range) {
-            for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                const auto [ia, ib, ic] = mesh.triangles[i];
-                const Vec3d& a = mesh.vertices_world[ia];
-                const Vec3d& b = mesh.vertices_world[ib];
-                const Vec3d& c = mesh.vertices_world[ic];
-                boxes_[i] = {a.cwiseMin(b).cwiseMin(c) - reach, a.cwiseMax(b).cwiseMax(c) + reach};
-            }
-        });
-        root_.first = ((lattice.box.min - reach) / block_size).array().floor().cast<int>();
-        const Index3 last = ((lattice.box.max + reach) / block_size).array().floor().cast<int>();
-        root_.size = static_cast<int>(
-            std::bit_ceil(static_cast<unsigned>((last - root_.first).maxCoeff()) + 1));
-        meter_.emplace(progress, "prepare", std::pow(root_.size, 3), 256);
-    }
+    NearTest(const Sites& sites, int cell_size)
+        : sites_(sites.arrays()), half_extent_((cell_size - 1) / 2.0), cell_size_(cell_size) {}
 
-    BandBlocks run() {
-        std::vector<int> all(frames_.size());
-        std::iota(all.begin(), all.end(), 0);
-        visit(root_, all);
-
-        BandBlocks result;
-        for (Found& found : found_) {
-            for (BandBlock& block : found.blocks)
-                block.list = static_cast<std::uint32_t>(result.lists.size());
-            result.blocks.insert(result.blocks.end(), found.blocks.begin(), found.blocks.end());
-            result.lists.push_back(std::move(found.list));
+    bool may_meet(std::int32_t site, const Index3& cell) const {
+        const SiteRegion& region = sites_.regions[site];
+        double extent = 0;
+        for (int k = 0; k < 3; ++k)
+            extent = std::max(extent, double{region.base_max[k]} - region.base_min[k]);
+        if (extent <= cell_size_) return true;
+        const Vec3d centre =
+            cell_size_ * cell.cast<double>() + Vec3d::Constant(half_extent_);
+        if (site < sites_.face_count) {
+            const FaceSite& face = sites_.faces[site];
+            const Eigen::Map<const Vec3d> normal(face.t);
+            return std::abs(normal.dot(centre - Eigen::Map<const Vec3d>(face.origin))) <=
+                   double{region.high} + 1 + half_extent_ * normal.cwiseAbs().sum();
         }
-        tbb::parallel_sort(result.blocks.begin(), result.blocks.end(),
-                           [](const BandBlock& a, const BandBlock& b) {
-                               return zyx_less(a.coordinate, b.coordinate);
-                           });
-        result.distance_evaluations = evaluations_;
-        return result;
+        if (site < sites_.face_count + sites_.edge_count) {
+            const EdgeSite& edge = sites_.edges[site - sites_.face_count];
+            const Vec3d offset = centre - Eigen::Map<const Vec3d>(edge.origin);
+            const Eigen::Map<const Vec3d> along(edge.e);
+            const double reach = std::numbers::sqrt2 * std::max(-region.low, region.high) + 1 +
+                                 std::numbers::sqrt3 * half_extent_;
+            return (offset - offset.dot(along) * along).squaredNorm() <= reach * reach;
+        }
+        return true;
     }
 
 private:
-    struct Found {
-        std::vector<BandBlock> blocks;
-        std::vector<int> list;
-        DescentWorkspace workspace;
-    };
-    using Lists = std::array<std::vector<int>, 8>;
-
-    void visit(const Node& node, std::span<const int> triangles) {
-        if (node.size == 1) {
-            emit(node.first, triangles);
-            meter_->add(1);
-            return;
-        }
-        const double child_extent = node.child(0).extent();
-        // Distances cull where the children are small against the band.
-        Lists lists = std::sqrt(3.0) / 2 * child_extent < half_width_
-                          ? split_by_distance(node, triangles)
-                          : split_by_boxes(node, triangles);
-        const auto visit_child = [&](int k) {
-            if (lists[k].empty())
-                meter_->add(std::pow(node.size / 2, 3));
-            else
-                visit(node.child(k), lists[k]);
-        };
-        // Below so many pairs of triangles and children a task costs more than it does.
-        if (triangles.size() * static_cast<std::size_t>(node.size) > 512)
-            tbb::parallel_for(0, 8, visit_child);
-        else
-            for (int k = 0; k < 8; ++k) visit_child(k);
-    }
-
-    /// Boxes by halves of each axis, then the planes of the few that are left.
-    Lists split_by_boxes(const Node& node, std::span<const int> triangles) const {
-        const double child_radius = node.child(0).extent() / 2;
-        const Vec3d middle = node.first_sample() + Vec3d::Constant(node.extent() / 2);
-        Lists lists;
-        for (std::vector<int>& list : lists) list.reserve(triangles.size() / 4 + 8);
-        for (const int i : triangles) {
-            unsigned children = 0xff;
-            for (int k = 0; k < 3; ++k) {
-                constexpr std::array<unsigned, 3> low = {0x55, 0x33, 0x0f};
-                // The last sample of the lower half and the first of the upper one.
-                const bool is_low = boxes_[i].min[k] <= middle[k] - 0.5;
-                const bool is_high = boxes_[i].max[k] >= middle[k] + 0.5;
-                children &= (is_low ? low[k] : 0) | (is_high ? ~low[k] : 0);
-            }
-            const Eigen::Map<const Vec3d> normal(frames_[i].t);
-            const double reach =
-                half_width_ + culling_slack + child_radius * normal.cwiseAbs().sum();
-            const double height = normal.dot(middle - Eigen::Map<const Vec3d>(frames_[i].origin));
-            const Vec3d step = (child_radius + 0.5) * normal;
-            for (; children != 0; children &= children - 1) {
-                const int k = std::countr_zero(children);
-                const double child_height = height + (k & 1 ? step.x() : -step.x()) +
-                                            (k & 2 ? step.y() : -step.y()) +
-                                            (k & 4 ? step.z() : -step.z());
-                if (std::abs(child_height) <= reach) lists[k].push_back(i);
-            }
-        }
-        return lists;
-    }
-
-    Lists split_by_distance(const Node& node, std::span<const int> triangles) {
-        const Vec3d first = node.first_sample();
-        const DescentInput input{.frames = frames_.data(),
-                                 .candidates = triangles.data(),
-                                 .candidate_count = static_cast<int>(triangles.size()),
-                                 .first_sample = {first.x(), first.y(), first.z()},
-                                 .half_width = half_width_ + culling_slack};
-        SplitOutput children;
-        evaluations_ +=
-            kernels_.split(input, block_size * node.size / 2, found_.local().workspace, children);
-        Lists lists;
-        for (int k = 0; k < 8; ++k)
-            lists[k].assign(children.list[k], children.list[k] + children.count[k]);
-        return lists;
-    }
-
-    void emit(const Index3& coordinate, std::span<const int> triangles) {
-        const double bytes = bytes_.fetch_add(sizeof(FieldBlock) + sizeof(BandBlock) +
-                                              triangles.size() * sizeof(int));
-        if (bytes > memory_bytes_) refuse(bytes, memory_bytes_);
-        Found& found = found_.local();
-        found.blocks.push_back({.coordinate = coordinate,
-                                .list = 0,
-                                .count = static_cast<std::uint32_t>(triangles.size()),
-                                .first = found.list.size()});
-        found.list.insert(found.list.end(), triangles.begin(), triangles.end());
-    }
-
-    std::span<const TriangleFrame> frames_;
-    double half_width_;
-    double memory_bytes_;
-    std::vector<WorldBox> boxes_; // of the triangles, grown by the half width
-    Node root_;
-    std::optional<ProgressMeter> meter_;
-    const DescentKernels& kernels_ = descent_kernels(best_instruction_set());
-    tbb::enumerable_thread_specific<Found> found_;
-    std::atomic<std::int64_t> evaluations_ = 0;
-    std::atomic<double> bytes_ = 0;
+    SiteArrays sites_;
+    double half_extent_; // of a cell's samples
+    int cell_size_;
 };
+
+struct Index3Hash {
+    std::size_t operator()(const Index3& p) const {
+        // Odd factors near 2^64 over powers of the golden ratio.
+        return static_cast<std::size_t>(p.x()) * 0x9e3779b97f4a7c15 ^
+               static_cast<std::size_t>(p.y()) * 0xbf58476d1ce4e5b9 ^
+               static_cast<std::size_t>(p.z()) * 0x94d049bb133111eb;
+    }
+};
+
+/// Sites of each tile, in ascending order.
+struct Tiles {
+    std::vector<Index3> coordinates;
+    std::vector<std::vector<std::int32_t>> sites;
+};
+
+Tiles find_tiles(const Sites& sites) {
+    using TileMap = std::unordered_map<Index3, std::vector<std::int32_t>, Index3Hash>;
+    constexpr int tile_size = tile_blocks * block_size;
+    constexpr int unlimited = std::numeric_limits<int>::max() / 2;
+    const IndexBox everywhere{Index3::Constant(-unlimited), Index3::Constant(unlimited)};
+    const NearTest near_test(sites, tile_size);
+    tbb::enumerable_thread_specific<TileMap> maps;
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, sites.regions.size(), 4096), [&](const auto& range) {
+            TileMap& map = maps.local();
+            Index3 last = Index3::Constant(unlimited);
+            std::vector<std::int32_t>* list = nullptr;
+            for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                const auto site = static_cast<std::int32_t>(i);
+                for_each_cell(sites.regions[i], tile_size, everywhere, [&](const Index3& tile) {
+                    if (!near_test.may_meet(site, tile)) return;
+                    // Neighbours in the mesh mostly lie in the same tile.
+                    if (tile != last) {
+                        last = tile;
+                        list = &map[tile];
+                    }
+                    list->push_back(site);
+                });
+            }
+        });
+    TileMap all;
+    for (TileMap& map : maps) {
+        for (auto& [tile, list] : map) {
+            std::vector<std::int32_t>& to = all[tile];
+            if (to.empty())
+                to = std::move(list);
+            else
+                to.insert(to.end(), list.begin(), list.end());
+        }
+    }
+    Tiles tiles;
+    for (const auto& [tile, list] : all) tiles.coordinates.push_back(tile);
+    std::ranges::sort(tiles.coordinates, zyx_less);
+    for (const Index3& tile : tiles.coordinates) tiles.sites.push_back(std::move(all[tile]));
+    tbb::parallel_for(std::size_t{0}, tiles.sites.size(),
+                      [&](std::size_t i) { std::ranges::sort(tiles.sites[i]); });
+    return tiles;
+}
+
+/// The blocks of one tile; `list` becomes their sites, block by block.
+std::vector<BandBlock> blocks_of_tile(const Sites& sites, const Index3& tile, std::uint32_t number,
+                                      std::vector<std::int32_t>& list) {
+    struct Pair {
+        std::int32_t site;
+        int block;
+    };
+    const Index3 first_block = tile_blocks * tile;
+    const IndexBox limits{first_block, (first_block.array() + tile_blocks).matrix()};
+    const NearTest near_test(sites, block_size);
+    std::vector<Pair> pairs;
+    pairs.reserve(4 * list.size());
+    std::array<std::uint32_t, blocks_per_tile + 1> begin{};
+    for (const std::int32_t site : list) {
+        for_each_cell(sites.regions[site], block_size, limits, [&](const Index3& block) {
+            if (!near_test.may_meet(site, block)) return;
+            const Index3 at = block - first_block;
+            const int local = at.x() + tile_blocks * (at.y() + tile_blocks * at.z());
+            pairs.push_back({site, local});
+            ++begin[local + 1];
+        });
+    }
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    std::array<std::uint32_t, blocks_per_tile> next;
+    std::copy_n(begin.begin(), blocks_per_tile, next.begin());
+    list.resize(pairs.size());
+    list.shrink_to_fit();
+    for (const Pair& pair : pairs) list[next[pair.block]++] = pair.site;
+    std::vector<BandBlock> blocks;
+    for (int b = 0; b < blocks_per_tile; ++b) {
+        if (begin[b] == begin[b + 1]) continue;
+        const Index3 at(b % tile_blocks, b / tile_blocks % tile_blocks,
+                        b / (tile_blocks * tile_blocks));
+        blocks.push_back({.coordinate = first_block + at,
+                          .list = number,
+                          .first = begin[b],
+                          .count = begin[b + 1] - begin[b],
+                          .place = 0});
+    }
+    return blocks;
+}
 
 } // namespace
 
-BandBlocks find_band_blocks(const LatticeMesh& lattice, std::span<const TriangleFrame> frames,
-                            double half_width_voxels, double memory_bytes,
-                            const Progress& progress) {
-    const double least = least_block_count(lattice.mesh, half_width_voxels) * sizeof(FieldBlock);
-    if (least > memory_bytes) refuse(least, memory_bytes);
-    return BandBlockFinder(lattice, frames, half_width_voxels, memory_bytes, progress).run();
+void refuse_memory(double bytes, double memory_bytes) {
+    constexpr double gibibyte = 0x1p30;
+    throw ResourceError(fmt::format(
+        "the field would take at least {:.3g} GiB, and {:.3g} GiB of memory are available; use a "
+        "larger voxel size or a narrower band",
+        bytes / gibibyte, memory_bytes / gibibyte));
+}
+
+double least_field_bytes(const Mesh& mesh, double half_width_voxels) {
+    return least_block_count(mesh, half_width_voxels) * sizeof(FieldBlock);
+}
+
+BandBlocks find_band_blocks(const Sites& sites, double memory_bytes, const Progress& progress) {
+    Tiles tiles = find_tiles(sites);
+    ProgressMeter meter(progress, "prepare", static_cast<double>(tiles.sites.size()), 16);
+    std::vector<std::vector<BandBlock>> blocks(tiles.sites.size());
+    std::atomic<double> bytes = 0;
+    tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
+        blocks[i] = blocks_of_tile(sites, tiles.coordinates[i], static_cast<std::uint32_t>(i),
+                                   tiles.sites[i]);
+        const double more = static_cast<double>(blocks[i].size() * sizeof(FieldBlock) +
+                                                tiles.sites[i].size() * sizeof(std::int32_t));
+        if (const double sum = bytes.fetch_add(more) + more; sum > memory_bytes)
+            refuse_memory(sum, memory_bytes);
+        meter.add(1);
+    });
+
+    BandBlocks result;
+    result.lists = std::move(tiles.sites);
+    for (const std::vector<BandBlock>& of_tile : blocks)
+        result.blocks.insert(result.blocks.end(), of_tile.begin(), of_tile.end());
+    std::vector<std::uint32_t> order(result.blocks.size());
+    std::iota(order.begin(), order.end(), 0);
+    tbb::parallel_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+        return zyx_less(result.blocks[a].coordinate, result.blocks[b].coordinate);
+    });
+    for (std::uint32_t place = 0; place < order.size(); ++place)
+        result.blocks[order[place]].place = place;
+    return result;
 }
 
 } // namespace isocast

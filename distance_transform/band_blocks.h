@@ -1,9 +1,8 @@
-// Which blocks the band can reach, and which triangles can be closest to a sample of each.
+// Which blocks the band can reach, and which sites can be nearest to a sample of each.
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
-#include "distance_transform/lattice.h"
-#include "distance_transform/triangle_frame.h"
+#include "distance_transform/sites.h"
 #include "volume/progress.h"
 
 #include <cstdint>
@@ -11,42 +10,40 @@
 
 namespace isocast {
 
-/// A block of 8^3 samples and the triangles that its samples may need.
+/// A block of 8^3 samples and the sites that its samples may need.
 struct BandBlock {
     Index3 coordinate;  // relative to the anchor: samples 8 * coordinate … 8 * coordinate + 7
-    std::uint32_t list; // which of BandBlocks::lists holds the triangles, and where
+    std::uint32_t list; // which of BandBlocks::lists holds the sites, and where
+    std::uint32_t first;
     std::uint32_t count;
-    std::size_t first;
+    std::uint32_t place; // of the block among all, by z, y, x
 };
 
 struct BandBlocks {
-    /// Sorted by z, y, x.
+    /// Near ones stand together, so that they share sites in the processor's caches.
     std::vector<BandBlock> blocks;
-    std::vector<std::vector<int>> lists;
-    std::int64_t distance_evaluations = 0;
+    std::vector<std::vector<std::int32_t>> lists;
 
-    std::span<const int> triangles(const BandBlock& block) const {
+    std::span<const std::int32_t> sites(const BandBlock& block) const {
         return std::span(lists[block.list]).subspan(block.first, block.count);
     }
 };
 
-/// Culling margin [voxels]: far above the rounding of distances between coordinates below 2^28
-/// voxels (1e-7), far below what culling gains.
-inline constexpr double culling_slack = 1e-6;
-
-/// Every block with a sample within `half_width_voxels` of the mesh (and a few others), each with
-/// every triangle that is closest to such a sample.
+/// Every block with a sample within the half width of the mesh (and a few others), each with every
+/// site that is nearest to such a sample.
 ///
-/// An octree of blocks is descended. A node keeps the triangles whose box and plane come within the
-/// half width of it; where nodes are small against the band, distances cull much more
-/// (block_descent.inl).
+/// Sites are sorted into tiles of 8^3 blocks, and within each tile into blocks.
 ///
-/// frames        of the lattice mesh's triangles
 /// memory_bytes  what the blocks of the field may take
-/// throws        ResourceError if they would take more; where the mesh's area alone says so, at
-///               once
-BandBlocks find_band_blocks(const LatticeMesh& lattice, std::span<const TriangleFrame> frames,
-                            double half_width_voxels, double memory_bytes,
-                            const Progress& progress);
+/// throws        ResourceError if they would take more
+BandBlocks find_band_blocks(const Sites& sites, double memory_bytes, const Progress& progress);
+
+/// A number of bytes that the blocks of the field surely take, from areas and lengths alone.
+///
+/// mesh  positions in voxels
+double least_field_bytes(const Mesh& mesh, double half_width_voxels);
+
+/// throws  ResourceError that says so
+[[noreturn]] void refuse_memory(double bytes, double memory_bytes);
 
 } // namespace isocast

@@ -4,15 +4,14 @@
 
 #include "distance_transform/band_blocks.h"
 #include "distance_transform/block_transform.h"
+#include "distance_transform/lattice.h"
 #include "distance_transform/open_mesh_signs.h"
 #include "distance_transform/progress_meter.h"
 #include "distance_transform/sign_check.h"
 #include "volume/errors.h"
 
 #include <fmt/format.h>
-#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_invoke.h>
 
 #include <atomic>
 #include <chrono>
@@ -70,12 +69,6 @@ SignMethod chosen_sign(const MeshVerdict& verdict, SignMethod wanted,
     return has_normals ? SignMethod::Normal : SignMethod::Winding;
 }
 
-SignOracle sign_oracle(const Mesh& mesh, const MeshTopology& topology, SignMethod method,
-                       bool is_closed) {
-    if (method == SignMethod::Normal) return Pseudonormals(mesh, topology);
-    return WindingNumber(mesh, is_closed);
-}
-
 /// Removes blocks without an active sample; few are, so that most of the array is moved.
 void remove_empty(FieldBlocks& blocks) {
     std::erase_if(blocks, [](const FieldBlock& block) { return block.active.none(); });
@@ -115,27 +108,26 @@ ConvertResult convert(const CheckedMesh& input, const ConvertOptions& options,
     const double half_width = options.half_width_voxels;
     const double memory = available_memory_bytes();
     const LatticeMesh lattice = on_lattice(input.mesh, options.voxel_size_world, half_width);
+    if (const double least = least_field_bytes(lattice.mesh, half_width); least > memory)
+        refuse_memory(least, memory);
     const bool is_closed = input.verdict.is_closed() && input.verdict.is_oriented();
-    std::optional<SignOracle> sign;
-    std::vector<TriangleFrame> frames;
-    BandBlocks band;
-    tbb::parallel_invoke([&] { sign = sign_oracle(lattice.mesh, input.topology, method, is_closed); },
-                         [&] {
-                             frames = triangle_frames(lattice.mesh);
-                             band = find_band_blocks(lattice, frames, half_width, memory, progress);
-                         });
+    std::optional<WindingNumber> winding;
+    if (method == SignMethod::Winding) winding.emplace(lattice.mesh, is_closed);
+    const Sites sites = voronoi_sites(lattice.mesh, input.topology,
+                                      Pseudonormals(lattice.mesh, input.topology), half_width);
+    const BandBlocks band = find_band_blocks(sites, memory, progress);
     const double prepare_seconds = seconds_since(start);
 
     const auto transform_start = std::chrono::steady_clock::now();
     FieldBlocks blocks(band.blocks.size());
-    const BlockTransform transform(frames, *sign, half_width, options.voxel_size_world);
+    const BlockTransform transform(sites.arrays(), winding ? &*winding : nullptr, half_width,
+                                   options.voxel_size_world);
     ProgressMeter meter(progress, "transform", static_cast<double>(blocks.size()), 16);
-    std::atomic<std::int64_t> evaluations = band.distance_evaluations;
-    tbb::enumerable_thread_specific<DescentWorkspace> workspaces;
+    std::atomic<std::int64_t> evaluations = 0;
     tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
-        std::construct_at(&blocks[i]);
-        blocks[i].coordinate = band.blocks[i].coordinate;
-        evaluations += transform.run(blocks[i], band.triangles(band.blocks[i]), workspaces.local());
+        FieldBlock& block = *std::construct_at(&blocks[band.blocks[i].place]);
+        block.coordinate = band.blocks[i].coordinate;
+        evaluations += transform.run(block, band.sites(band.blocks[i]));
         meter.add(1);
     });
     remove_empty(blocks);
@@ -150,7 +142,7 @@ ConvertResult convert(const CheckedMesh& input, const ConvertOptions& options,
                                options.voxel_size_world, static_cast<float>(background), progress);
     }
     if (method == SignMethod::Winding && !is_closed && !blocks.empty())
-        store_outside_signs(blocks, std::get<WindingNumber>(*sign), static_cast<float>(background),
+        store_outside_signs(blocks, *winding, static_cast<float>(background),
                             memory, progress);
     for (FieldBlock& block : blocks) block.coordinate += lattice.anchor / block_size;
     return {.field = SparseField(lattice.space, background, Outside::SignedBackground,

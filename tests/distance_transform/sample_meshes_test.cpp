@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/sample_meshes.h"
 
+#include "distance_transform/checked_mesh.h"
+
 #include "cgal_oracle.h"
 #include "volume/errors.h"
 

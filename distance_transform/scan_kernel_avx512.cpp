@@ -1,6 +1,6 @@
-// The kernel of block_descent.h for the instruction set avx512.
+// The kernel of scan_kernel.h for the instruction set avx512.
 // SPDX-License-Identifier: MPL-2.0
-#include "distance_transform/block_descent.h"
+#include "distance_transform/scan_kernel.h"
 #if defined(__AVX__)
 #include <immintrin.h>
 #endif
@@ -8,5 +8,5 @@
 namespace isocast::avx512 {
 #include "distance_transform/lanes.inl"
 
-#include "distance_transform/block_descent.inl"
+#include "distance_transform/scan_kernel.inl"
 } // namespace isocast::avx512

@@ -1,0 +1,79 @@
+// The Voronoi sites of a mesh: its faces, edges and vertices, and where each can be nearest.
+// SPDX-License-Identifier: MPL-2.0
+#pragma once
+
+#include "distance_transform/mesh_topology.h"
+#include "distance_transform/pseudonormals.h"
+#include "distance_transform/scan_kernel.h"
+
+namespace isocast {
+
+/// Every site that can hold the nearest point of a sample within the half width.
+struct Sites {
+    std::vector<SiteRegion> regions; // faces, edges, vertices
+    std::vector<FaceSite> faces;     // one for each triangle
+    std::vector<EdgeSite> edges;
+    std::vector<VertexSite> vertices;
+    std::vector<std::int32_t> edge_numbers;  // of `edges`, in the topology
+    std::vector<std::int32_t> vertex_corners; // of `vertices`: one of the fan's corners
+
+    SiteArrays arrays() const {
+        return {regions.data(),
+                faces.data(),
+                edges.data(),
+                vertices.data(),
+                static_cast<std::int32_t>(faces.size()),
+                static_cast<std::int32_t>(edges.size())};
+    }
+};
+
+/// Towers of all faces, wedges of the edges that bend, cones of the vertices that point.
+///
+/// mesh, topology  positions in voxels; any mesh, open or not, without triangles of no area
+/// source          thesis section 4.2.2, where the regions are polyhedra of closed oriented meshes;
+///                 ours follow from what any nearest point obeys (scan_kernel.inl), so that borders
+///                 get half cylinders, and edges of three triangles or more and vertices without a
+///                 ring of triangles around them get all that is within the half width
+Sites voronoi_sites(const Mesh& mesh, const MeshTopology& topology, const Pseudonormals& normals,
+                    double half_width_voxels);
+
+/// Calls visit(cell) for every cell of cell_size^3 samples, with its samples from cell_size * cell
+/// on, within `limits` [cells], that has a sample in the region; it may call for a few more.
+template<class Visit>
+void for_each_cell(const SiteRegion& region, int cell_size, const IndexBox& limits,
+                   const Visit& visit) {
+    const int k = region.axis;
+    const int u = (k + 1) % 3;
+    const int v = (k + 2) % 3;
+    const float* w = region.direction;
+    const auto size = static_cast<float>(cell_size);
+    const float reach = region.lateral + region.lateral_slope * std::max(-region.low, region.high);
+    const auto cells = [&](int axis, float low, float high, float lateral) {
+        const float shift_low = std::min(low * w[axis], high * w[axis]);
+        const float shift_high = std::max(low * w[axis], high * w[axis]);
+        const float aside = lateral * region.lateral_factor[axis];
+        // The last sample of a cell is size - 1 beyond its first.
+        const float first =
+            std::ceil((region.base_min[axis] + shift_low - aside - (size - 1)) / size);
+        const float last = std::floor((region.base_max[axis] + shift_high + aside) / size);
+        return std::pair(std::max(static_cast<int>(first), limits.lo[axis]),
+                         std::min(static_cast<int>(last), limits.hi[axis] - 1));
+    };
+    const auto [k_first, k_last] = cells(k, region.low, region.high, reach);
+    const float aside = reach * region.lateral_factor[k];
+    Index3 cell;
+    for (cell[k] = k_first; cell[k] <= k_last; ++cell[k]) {
+        const float first_sample = size * static_cast<float>(cell[k]);
+        const float low = std::max(region.low, (first_sample - region.base_max[k] - aside) / w[k]);
+        const float high =
+            std::min(region.high, (first_sample + size - 1 - region.base_min[k] + aside) / w[k]);
+        if (!(low <= high)) continue;
+        const float lateral = region.lateral + region.lateral_slope * std::max(-low, high);
+        const auto [u_first, u_last] = cells(u, low, high, lateral);
+        const auto [v_first, v_last] = cells(v, low, high, lateral);
+        for (cell[v] = v_first; cell[v] <= v_last; ++cell[v])
+            for (cell[u] = u_first; cell[u] <= u_last; ++cell[u]) visit(cell);
+    }
+}
+
+} // namespace isocast

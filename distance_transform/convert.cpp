@@ -113,8 +113,7 @@ ConvertResult convert(const CheckedMesh& input, const ConvertOptions& options,
     const bool is_closed = input.verdict.is_closed() && input.verdict.is_oriented();
     std::optional<WindingNumber> winding;
     if (method == SignMethod::Winding) winding.emplace(lattice.mesh, is_closed);
-    const Sites sites = voronoi_sites(lattice.mesh, input.topology,
-                                      Pseudonormals(lattice.mesh, input.topology), half_width);
+    const Sites sites = voronoi_sites(lattice.mesh, input.topology, half_width);
     const BandBlocks band = find_band_blocks(sites, memory, progress);
     const double prepare_seconds = seconds_since(start);
 

@@ -107,9 +107,8 @@ private:
 
 class SiteFinder {
 public:
-    SiteFinder(const Mesh& mesh, const MeshTopology& topology, const Pseudonormals& normals,
-               double half_width)
-        : mesh_(mesh), topology_(topology), normals_(normals), half_width_(half_width),
+    SiteFinder(const Mesh& mesh, const MeshTopology& topology, double half_width)
+        : mesh_(mesh), topology_(topology), half_width_(half_width),
           noise_(mesh.triangles.size()), is_open_(topology.fan_count) {
         for (std::size_t e = 0; e < topology.edge_count(); ++e) {
             if (topology.edge(e).size() == 2) continue;
@@ -122,40 +121,23 @@ public:
 
     Sites run() {
         const std::size_t face_count = mesh_.triangles.size();
+        const std::size_t edge_count = topology_.edge_count();
+        const auto fan_count = static_cast<std::size_t>(topology_.fan_count);
+        sites_.regions.resize(face_count + edge_count + fan_count);
         sites_.faces.resize(face_count);
-        std::vector<SiteRegion> face_regions(face_count);
-        for_all(face_count, [&](std::size_t t) { face_regions[t] = add_face(t); });
-
-        std::vector<EdgeSite> edges(topology_.edge_count());
-        std::vector<SiteRegion> edge_regions(topology_.edge_count());
-        std::vector<char> is_bent(topology_.edge_count());
-        for_all(edges.size(),
-                [&](std::size_t e) { is_bent[e] = add_edge(e, edges[e], edge_regions[e]); });
-
-        const auto fans = buckets_of(topology_.fan_of_corner.size(), topology_.fan_count,
-                                     [&](std::size_t c) { return topology_.fan_of_corner[c]; });
-        std::vector<VertexSite> vertices(topology_.fan_count);
-        std::vector<SiteRegion> vertex_regions(topology_.fan_count);
-        std::vector<char> is_pointed(topology_.fan_count);
-        for_all(vertices.size(), [&](std::size_t f) {
+        sites_.edges.resize(edge_count);
+        sites_.vertices.resize(fan_count);
+        for_all(face_count, [&](std::size_t t) { sites_.regions[t] = add_face(t); });
+        for_all(edge_count,
+                [&](std::size_t e) { sites_.regions[face_count + e] = add_edge(e); });
+        const Buckets fans =
+            buckets_of(topology_.fan_of_corner.size(), fan_count,
+                       [&](std::size_t c) { return topology_.fan_of_corner[c]; });
+        for_all(fan_count, [&](std::size_t f) {
             const auto corners =
                 std::span(fans.order).subspan(fans.begin[f], fans.begin[f + 1] - fans.begin[f]);
-            is_pointed[f] = add_vertex(corners, vertices[f], vertex_regions[f]);
+            sites_.regions[face_count + edge_count + f] = add_vertex(f, corners);
         });
-
-        sites_.regions = std::move(face_regions);
-        for (std::size_t e = 0; e < edges.size(); ++e) {
-            if (!is_bent[e]) continue;
-            sites_.edges.push_back(edges[e]);
-            sites_.edge_numbers.push_back(static_cast<std::int32_t>(e));
-            sites_.regions.push_back(edge_regions[e]);
-        }
-        for (std::size_t f = 0; f < vertices.size(); ++f) {
-            if (!is_pointed[f]) continue;
-            sites_.vertices.push_back(vertices[f]);
-            sites_.vertex_corners.push_back(static_cast<std::int32_t>(fans.order[fans.begin[f]]));
-            sites_.regions.push_back(vertex_regions[f]);
-        }
         return std::move(sites_);
     }
 
@@ -217,8 +199,14 @@ private:
         return Eigen::Map<const Vec3d>(sites_.faces[triangle].t);
     }
 
-    /// False if no sample can be nearest to the inside of the edge alone.
-    bool add_edge(std::size_t number, EdgeSite& edge, SiteRegion& region) const {
+    static SiteRegion empty_region() {
+        SiteRegion region{};
+        region.low = 1;
+        region.high = 0;
+        return region;
+    }
+
+    SiteRegion add_edge(std::size_t number) {
         const auto halfedges = topology_.edge(number);
         const std::array ends = {corner(halfedges[0] / 3, halfedges[0] % 3),
                                  corner(halfedges[0] / 3, halfedges[0] % 3 + 1)};
@@ -226,11 +214,13 @@ private:
         const Vec3d e = (ends[1] - ends[0]) / length;
         // Directions across the edge into its triangles: a nearest point's offset leads into none.
         Vec3d into = Vec3d::Zero();
+        Vec3d pseudonormal = Vec3d::Zero();
         double noise = 0;
         for (const std::uint32_t h : halfedges) {
             const bool is_along = corner(h / 3, h % 3) == ends[0];
             const Vec3d normal = face_normal(h / 3);
             into += is_along ? normal.cross(e) : e.cross(normal);
+            pseudonormal += normal;
             noise += noise_[h / 3];
         }
         // A cylinder, unless more is known.
@@ -245,7 +235,7 @@ private:
             // The sum of two unit vectors: twice the sine of half the opening, away from it.
             const double sine = into.norm() / 2;
             const double tangent = sine < 1 ? sine / std::sqrt(1 - sine * sine) : 1e300;
-            if ((tangent + noise) * half_width_ < least_opening) return false;
+            if ((tangent + noise) * half_width_ < least_opening) return empty_region();
             if (tangent <= greatest_slope) {
                 // Where the edge is nearly flat, its direction is told better by the normals.
                 const Vec3d first = face_normal(halfedges[0] / 3);
@@ -261,91 +251,78 @@ private:
         }
         middle = (middle - middle.dot(e) * e).normalized();
         const Vec3d across = e.cross(middle);
-        region = RegionOf(ends, middle, low, half_width_)
-                     .aside(lateral, slope, across)
-                     .get();
+        EdgeSite& edge = sites_.edges[number];
         write(edge.origin, ends[0]);
         write(edge.e, e);
         write(edge.x, middle);
         write(edge.y, across);
         edge.length = length;
-        const Vec3d& normal = normals_.at(static_cast<int>(halfedges[0] / 3), edge_of(halfedges[0]));
-        edge.normal_x = normal.dot(middle);
-        edge.normal_y = normal.dot(across);
-        return true;
+        edge.normal_x = pseudonormal.dot(middle);
+        edge.normal_y = pseudonormal.dot(across);
+        return RegionOf(ends, middle, low, half_width_).aside(lateral, slope, across).get();
     }
 
-    static Feature edge_of(std::uint32_t halfedge) {
-        constexpr std::array features = {Feature::Edge01, Feature::Edge12, Feature::Edge20};
-        return features[halfedge % 3];
-    }
-    static Feature vertex_of(std::uint32_t corner) {
-        constexpr std::array features = {Feature::Vertex0, Feature::Vertex1, Feature::Vertex2};
-        return features[corner % 3];
-    }
-
-    /// False if no sample can be nearest to the vertex alone.
-    ///
     /// With n the fan's normal and unit edges e_j = c_j n + s_j u_j, u_j across n, an offset h n + l
     /// leads along no edge if l·u_j <= k_j h, k_j = - c_j / s_j. A direction of l lies between two
     /// neighbouring u_j, within half of their angle of one of them, so that |l| <= h max(k_j) /
     /// cos(half the angle), the greatest over all pairs; for h < 0 the k_j change their sign.
-    bool add_vertex(std::span<const std::uint32_t> corners, VertexSite& vertex,
-                    SiteRegion& region) const {
-        const Vec3d& p = corner(corners[0] / 3, corners[0] % 3);
-        const Vec3d& pseudonormal =
-            normals_.at(static_cast<int>(corners[0] / 3), vertex_of(corners[0]));
+    SiteRegion add_vertex(std::size_t fan, std::span<const std::uint32_t> corners) {
+        const Vec3d& p = corner(corners[0] / 3, static_cast<int>(corners[0] % 3));
+        Vec3d pseudonormal = Vec3d::Zero();
+        for (const std::uint32_t c : corners) {
+            const auto [a, b] = edges_at(c);
+            pseudonormal += std::atan2(a.cross(b).norm(), a.dot(b)) * face_normal(c / 3);
+        }
+        VertexSite& vertex = sites_.vertices[fan];
         write(vertex.origin, p);
         write(vertex.normal, pseudonormal);
 
         const Vec3d n = pseudonormal.stableNormalized();
         double slope_above = 0;
         double slope_below = 0;
-        const int fan = topology_.fan_of_corner[corners[0]];
         bool is_ring = !is_open_[fan] && n.squaredNorm() > 0.5;
         for (std::size_t i = 0; i < corners.size() && is_ring; ++i) {
-            const std::size_t t = corners[i] / 3;
-            const int c = static_cast<int>(corners[i] % 3);
-            const Vec3d a = (corner(t, c + 1) - p).normalized();
-            const Vec3d b = (corner(t, c + 2) - p).normalized();
+            const auto [a, b] = edges_at(corners[i]);
             const double a_up = a.dot(n);
             const double b_up = b.dot(n);
             const Vec3d a_flat = a - a_up * n;
             const Vec3d b_flat = b - b_up * n;
             const double a_length = a_flat.norm();
             const double b_length = b_flat.norm();
-            const double sine = a_flat.cross(b_flat).dot(n);
-            is_ring = a_length > 0.1 && b_length > 0.1 && sine > 0;
-            if (!is_ring) break;
             const double cosine = a_flat.dot(b_flat) / (a_length * b_length);
             const double half_cosine = std::sqrt(std::max(0.0, (1 + cosine) / 2));
-            const double a_slope = -a_up / a_length;
-            const double b_slope = -b_up / b_length;
-            // 0.05: beyond, greatest_slope is passed by any slope that matters.
-            is_ring = half_cosine > 0.05;
-            slope_above = std::max({slope_above, a_slope / half_cosine, b_slope / half_cosine});
-            slope_below = std::max({slope_below, -a_slope / half_cosine, -b_slope / half_cosine});
+            // Below 0.1 and 0.05 greatest_slope is passed by any slope that matters.
+            is_ring = a_length > 0.1 * a.norm() && b_length > 0.1 * b.norm() &&
+                      half_cosine > 0.05 && a_flat.cross(b_flat).dot(n) > 0;
+            const double a_slope = -a_up / (a_length * half_cosine);
+            const double b_slope = -b_up / (b_length * half_cosine);
+            slope_above = std::max({slope_above, a_slope, b_slope});
+            slope_below = std::max({slope_below, -a_slope, -b_slope});
         }
         // Closed, with all corners turning the same way: the edges surround the normal.
-        if (!is_ring || std::max(slope_above, slope_below) > greatest_slope) {
-            region = RegionOf(std::span(&p, 1), Vec3d::UnitX(), -half_width_, half_width_)
-                         .around(half_width_, 0)
-                         .get();
-            return true;
-        }
+        if (!is_ring || std::max(slope_above, slope_below) > greatest_slope)
+            return RegionOf(std::span(&p, 1), Vec3d::UnitX(), -half_width_, half_width_)
+                .around(half_width_, 0)
+                .get();
         const bool has_above = slope_above * half_width_ >= least_opening;
         const bool has_below = slope_below * half_width_ >= least_opening;
-        if (!has_above && !has_below) return false;
-        region = RegionOf(std::span(&p, 1), n, has_below ? -half_width_ : 0,
-                          has_above ? half_width_ : 0)
-                     .around(0, std::max(slope_above, slope_below))
-                     .get();
-        return true;
+        if (!has_above && !has_below) return empty_region();
+        return RegionOf(std::span(&p, 1), n, has_below ? -half_width_ : 0,
+                        has_above ? half_width_ : 0)
+            .around(0, std::max(slope_above, slope_below))
+            .get();
+    }
+
+    /// From the vertex of corner `c` to the other two of its triangle.
+    std::pair<Vec3d, Vec3d> edges_at(std::uint32_t c) const {
+        const std::size_t t = c / 3;
+        const int k = static_cast<int>(c % 3);
+        const Vec3d& p = corner(t, k);
+        return {corner(t, k + 1) - p, corner(t, k + 2) - p};
     }
 
     const Mesh& mesh_;
     const MeshTopology& topology_;
-    const Pseudonormals& normals_;
     double half_width_;
     std::vector<double> noise_; // of the triangles' normals
     std::vector<char> is_open_; // fans that do not close around their vertex
@@ -354,9 +331,8 @@ private:
 
 } // namespace
 
-Sites voronoi_sites(const Mesh& mesh, const MeshTopology& topology, const Pseudonormals& normals,
-                    double half_width_voxels) {
-    return SiteFinder(mesh, topology, normals, half_width_voxels).run();
+Sites voronoi_sites(const Mesh& mesh, const MeshTopology& topology, double half_width_voxels) {
+    return SiteFinder(mesh, topology, half_width_voxels).run();
 }
 
 } // namespace isocast

@@ -3,19 +3,21 @@
 #pragma once
 
 #include "distance_transform/mesh_topology.h"
-#include "distance_transform/pseudonormals.h"
 #include "distance_transform/scan_kernel.h"
+#include "volume/fresh_memory.h"
 
 namespace isocast {
 
-/// Every site that can hold the nearest point of a sample within the half width.
+/// The faces by triangle, the edges by edge of the topology, the vertices by fan. A site that cannot
+/// hold the nearest point of any sample has an empty region: low > high.
 struct Sites {
-    std::vector<SiteRegion> regions; // faces, edges, vertices
-    std::vector<FaceSite> faces;     // one for each triangle
-    std::vector<EdgeSite> edges;
-    std::vector<VertexSite> vertices;
-    std::vector<std::int32_t> edge_numbers;  // of `edges`, in the topology
-    std::vector<std::int32_t> vertex_corners; // of `vertices`: one of the fan's corners
+    template<class T>
+    using Array = std::vector<T, FreshMemory<T>>;
+
+    Array<SiteRegion> regions; // of faces, then edges, then vertices
+    Array<FaceSite> faces;
+    Array<EdgeSite> edges;
+    Array<VertexSite> vertices;
 
     SiteArrays arrays() const {
         return {regions.data(),
@@ -30,18 +32,19 @@ struct Sites {
 /// Towers of all faces, wedges of the edges that bend, cones of the vertices that point.
 ///
 /// mesh, topology  positions in voxels; any mesh, open or not, without triangles of no area
-/// source          thesis section 4.2.2, where the regions are polyhedra of closed oriented meshes;
-///                 ours follow from what any nearest point obeys (scan_kernel.inl), so that borders
+/// source          Bærentzen & Aanæs 2005 for the normals of edges and vertices (of a vertex where
+///                 several fans meet, one for each); thesis section 4.2.2 for the regions, where
+///                 they are polyhedra of closed oriented meshes; ours follow from what any nearest point obeys (scan_kernel.inl), so that borders
 ///                 get half cylinders, and edges of three triangles or more and vertices without a
 ///                 ring of triangles around them get all that is within the half width
-Sites voronoi_sites(const Mesh& mesh, const MeshTopology& topology, const Pseudonormals& normals,
-                    double half_width_voxels);
+Sites voronoi_sites(const Mesh& mesh, const MeshTopology& topology, double half_width_voxels);
 
 /// Calls visit(cell) for every cell of cell_size^3 samples, with its samples from cell_size * cell
 /// on, within `limits` [cells], that has a sample in the region; it may call for a few more.
 template<class Visit>
 void for_each_cell(const SiteRegion& region, int cell_size, const IndexBox& limits,
                    const Visit& visit) {
+    if (region.low > region.high) return;
     const int k = region.axis;
     const int u = (k + 1) % 3;
     const int v = (k + 2) % 3;

@@ -10,6 +10,7 @@
 namespace {
 
 using Doubles = Lanes<double>;
+using Floats = Lanes<float>;
 
 /// A face's samples may lie this far outside its tower [voxels]: far above rounding, and of no
 /// consequence, since the distance to the plane there is wrong by 1e-18 over the distance.
@@ -74,6 +75,7 @@ public:
         alignas(64) double steps[8];
         for (int i = 0; i < 8; ++i) steps[i] = i;
         steps_ = load(steps);
+        for (int i = 0; i < 8; ++i) row_steps_[i] = float(i);
     }
 
     std::int64_t run(ScanOutput& output) {
@@ -128,8 +130,9 @@ private:
         const float reach =
             region.lateral + region.lateral_slope * greatest(-region.low, region.high);
         const float aside = reach * region.lateral_factor[k];
-        const float low = greatest(region.low, (bk - region.base_max[k] - aside) / w[k]);
-        const float high = least(region.high, (bk + 7 - region.base_min[k] + aside) / w[k]);
+        const float inverse_w = 1 / w[k];
+        const float low = greatest(region.low, (bk - region.base_max[k] - aside) * inverse_w);
+        const float high = least(region.high, (bk + 7 - region.base_min[k] + aside) * inverse_w);
         if (!(low <= high)) return;
         const float lateral = region.lateral + region.lateral_slope * greatest(-low, high);
         const auto first_of = [&](int axis, float b) __attribute__((always_inline)) {
@@ -140,48 +143,37 @@ private:
             return floor_of(region.base_max[axis] - b + greatest(low * w[axis], high * w[axis]) +
                             lateral * region.lateral_factor[axis]);
         };
-        const int u_first = first_of(u, bu);
-        const int u_last = last_of(u, bu);
         const int v_first = first_of(v, bv);
         const int v_last = last_of(v, bv);
-        if (u_first > u_last || v_first > v_last) return;
-        // - w_v u + w_u v within the slab: for a leaning region, a diagonal strip of columns.
-        const float shift = w[u] * bv - w[v] * bu;
-        const float slab_low = region.slab_min - shift - lateral * region.slab_factor;
-        const float slab_high = region.slab_max - shift + lateral * region.slab_factor;
-        constexpr float least_lean = 0.05f; // below it a strip is as wide as the block
-        if (__builtin_fabsf(w[v]) >= __builtin_fabsf(w[u])) {
-            if (__builtin_fabsf(w[v]) < least_lean) {
-                for (int j = v_first; j <= v_last; ++j)
-                    for (int i = u_first; i <= u_last; ++i) visit(i, j);
-                return;
-            }
-            const float inverse = 1 / w[v];
-            for (int j = v_first; j <= v_last; ++j) {
-                const float a = (w[u] * float(j) - slab_low) * inverse;
-                const float b = (w[u] * float(j) - slab_high) * inverse;
-                const int i_first = ceiling(least(a, b));
-                const int i_last = floor_of(greatest(a, b));
-                for (int i = i_first > u_first ? i_first : u_first;
-                     i <= (i_last < u_last ? i_last : u_last); ++i)
-                    visit(i, j);
-            }
-            return;
+        if (v_first > v_last) return;
+        Floats u_low = region.base_min[u] - bu + least(low * w[u], high * w[u]) -
+                       lateral * region.lateral_factor[u];
+        Floats u_high = region.base_max[u] - bu + greatest(low * w[u], high * w[u]) +
+                        lateral * region.lateral_factor[u];
+        // Where the strips cut the rows of columns.
+        const Floats rows = load(row_steps_);
+        for (int i = 0; i < region.strip_count; ++i) {
+            const SiteRegion::Strip& strip = region.strips[i];
+            // Nearly along a row it would cut far off.
+            if (__builtin_fabsf(strip.across[0]) < 0.02f) continue;
+            const float shift = strip.across[0] * bu + strip.across[1] * bv;
+            const float side = lateral * strip.factor;
+            const float from =
+                strip.low - shift + least(low * strip.lean, high * strip.lean) - side;
+            const float to =
+                strip.high - shift + greatest(low * strip.lean, high * strip.lean) + side;
+            const float inverse = 1 / strip.across[0];
+            const Floats slope = rows * (strip.across[1] * inverse);
+            u_low = max(u_low, Floats(least(from * inverse, to * inverse)) - slope);
+            u_high = min(u_high, Floats(greatest(from * inverse, to * inverse)) - slope);
         }
-        if (__builtin_fabsf(w[u]) < least_lean) {
-            for (int i = u_first; i <= u_last; ++i)
-                for (int j = v_first; j <= v_last; ++j) visit(i, j);
-            return;
-        }
-        const float inverse = 1 / w[u];
-        for (int i = u_first; i <= u_last; ++i) {
-            const float a = (slab_low + w[v] * float(i)) * inverse;
-            const float b = (slab_high + w[v] * float(i)) * inverse;
-            const int j_first = ceiling(least(a, b));
-            const int j_last = floor_of(greatest(a, b));
-            for (int j = j_first > v_first ? j_first : v_first;
-                 j <= (j_last < v_last ? j_last : v_last); ++j)
-                visit(i, j);
+        alignas(32) float u_from[8];
+        alignas(32) float u_to[8];
+        store(u_from, u_low);
+        store(u_to, u_high);
+        for (int j = v_first; j <= v_last; ++j) {
+            const int u_last = floor_of(u_to[j]);
+            for (int i = ceiling(u_from[j]); i <= u_last; ++i) visit(i, j);
         }
     }
 
@@ -298,6 +290,7 @@ private:
     const ScanInput& input_;
     double beyond_;
     Doubles steps_;
+    alignas(32) float row_steps_[8];
     bool is_used_[3] = {false, false, false};
     std::int64_t evaluations_ = 0;
     alignas(64) Columns columns_[3];

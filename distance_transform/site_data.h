@@ -27,10 +27,17 @@ struct SiteRegion {
     float lateral;
     float lateral_slope;
     float lateral_factor[3]; // how much of the offset can lie along each axis
-    /// Of the base, across the lean: - w_v x_u + w_u x_v, with u and v the axes after `axis`.
-    float slab_min;
-    float slab_max;
-    float slab_factor; // how much of the offset can lie along that
+    /// Two parallel planes along `axis` between which the region's projection lies:
+    /// low <= across[0] * x_u + across[1] * x_v <= high for the base, u and v the axes after `axis`.
+    struct Strip {
+        float across[2];
+        float low;
+        float high;
+        float lean;   // how much a height adds
+        float factor; // how much of the offset adds
+    };
+    Strip strips[4];
+    std::int32_t strip_count;
     std::int32_t axis; // of the greatest component of `direction`
 };
 

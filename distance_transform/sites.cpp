@@ -43,64 +43,92 @@ public:
         const bool is_turned = direction[axis] < 0;
         direction_ = is_turned ? Vec3d(-direction) : direction;
         region_.axis = axis;
+        u_ = (axis + 1) % 3;
+        v_ = (axis + 2) % 3;
         region_.low = static_cast<float>(is_turned ? -high : low);
         region_.high = static_cast<float>(is_turned ? -low : high);
-        Eigen::Map<Eigen::Vector3f>(region_.direction) = direction_.cast<float>();
+        Vec3d least = corners[0];
+        Vec3d greatest = corners[0];
+        for (const Vec3d& corner : corners) {
+            least = least.cwiseMin(corner);
+            greatest = greatest.cwiseMax(corner);
+        }
         // What float leaves of positions and of heights times directions.
-        double largest = std::max(-low, high);
-        for (const Vec3d& corner : corners) largest = std::max(largest, corner.cwiseAbs().maxCoeff());
+        const double largest =
+            std::max({-low, high, least.cwiseAbs().maxCoeff(), greatest.cwiseAbs().maxCoeff()});
         pad_ = least_overlap + 1e-6 * largest;
+        for (int k = 0; k < 3; ++k) {
+            region_.direction[k] = static_cast<float>(direction_[k]);
+            region_.base_min[k] = static_cast<float>(least[k] - pad_);
+            region_.base_max[k] = static_cast<float>(greatest[k] + pad_);
+        }
     }
 
     /// Offsets in all directions across the region's.
     RegionOf& around(double lateral, double slope) {
-        set_lateral(lateral, slope, (Vec3d::Ones() - direction_.cwiseAbs2()).cwiseSqrt(), 1);
+        region_.lateral = static_cast<float>(lateral);
+        region_.lateral_slope = static_cast<float>(slope);
+        for (int k = 0; k < 3; ++k)
+            region_.lateral_factor[k] =
+                static_cast<float>(std::sqrt(1 - direction_[k] * direction_[k]));
+        is_round_ = true;
         return *this;
     }
     /// Offsets along `across` only.
     RegionOf& aside(double lateral, double slope, const Vec3d& across) {
-        const auto [u, v] = axes();
-        const double over_slab = -direction_[v] * across[u] + direction_[u] * across[v];
-        set_lateral(lateral, slope, across.cwiseAbs(), std::abs(over_slab));
+        region_.lateral = static_cast<float>(lateral);
+        region_.lateral_slope = static_cast<float>(slope);
+        for (int k = 0; k < 3; ++k)
+            region_.lateral_factor[k] = static_cast<float>(std::abs(across[k]));
+        across_ = across;
         return *this;
     }
 
     SiteRegion get() {
-        const auto [u, v] = axes();
-        Vec3d least = corners_[0];
-        Vec3d greatest = corners_[0];
-        double slab_min = std::numeric_limits<double>::infinity();
-        double slab_max = -slab_min;
-        for (const Vec3d& corner : corners_) {
-            least = least.cwiseMin(corner);
-            greatest = greatest.cwiseMax(corner);
-            // With the direction as rounded, since the kernel compares with that.
-            const double across =
-                -double{region_.direction[v]} * corner[u] + double{region_.direction[u]} * corner[v];
-            slab_min = std::min(slab_min, across);
-            slab_max = std::max(slab_max, across);
+        // Along the lean of a height, and along the sides of the base.
+        add_strip(-direction_[v_], direction_[u_]);
+        const std::size_t sides = corners_.size() == 3 ? 3 : corners_.size() - 1;
+        for (std::size_t i = 0; i < sides; ++i) {
+            const Vec3d side = corners_[(i + 1) % corners_.size()] - corners_[i];
+            add_strip(-side[v_], side[u_]);
         }
-        for (int k = 0; k < 3; ++k) {
-            region_.base_min[k] = static_cast<float>(least[k] - pad_);
-            region_.base_max[k] = static_cast<float>(greatest[k] + pad_);
-        }
-        region_.slab_min = static_cast<float>(slab_min - 2 * pad_);
-        region_.slab_max = static_cast<float>(slab_max + 2 * pad_);
         return region_;
     }
 
 private:
-    std::pair<int, int> axes() const { return {(region_.axis + 1) % 3, (region_.axis + 2) % 3}; }
-
-    void set_lateral(double lateral, double slope, const Vec3d& factor, double slab_factor) {
-        region_.lateral = static_cast<float>(lateral);
-        region_.lateral_slope = static_cast<float>(slope);
-        Eigen::Map<Eigen::Vector3f>(region_.lateral_factor) = factor.cast<float>();
-        region_.slab_factor = static_cast<float>(slab_factor);
+    void add_strip(double m_u, double m_v) {
+        const double length = std::sqrt(m_u * m_u + m_v * m_v);
+        // A side along the axis, or no lean at all, bounds nothing.
+        if (!(length > least_length)) return;
+        m_u /= length;
+        m_v /= length;
+        SiteRegion::Strip& strip = region_.strips[region_.strip_count++];
+        double low = std::numeric_limits<double>::infinity();
+        double high = -low;
+        for (const Vec3d& corner : corners_) {
+            const double across = m_u * corner[u_] + m_v * corner[v_];
+            low = std::min(low, across);
+            high = std::max(high, across);
+        }
+        strip.across[0] = static_cast<float>(m_u);
+        strip.across[1] = static_cast<float>(m_v);
+        strip.low = static_cast<float>(low - 3 * pad_);
+        strip.high = static_cast<float>(high + 3 * pad_);
+        strip.lean = static_cast<float>(m_u * direction_[u_] + m_v * direction_[v_]);
+        strip.factor = is_round_
+                           ? 1.0f
+                           : static_cast<float>(std::abs(m_u * across_[u_] + m_v * across_[v_]));
     }
+
+    // Far below any length that tells a direction, far above rounding.
+    static constexpr double least_length = 1e-4;
 
     std::span<const Vec3d> corners_;
     Vec3d direction_;
+    Vec3d across_ = Vec3d::Zero();
+    bool is_round_ = false;
+    int u_;
+    int v_;
     double pad_;
     SiteRegion region_{};
 };

@@ -39,6 +39,12 @@ struct Sites {
 ///                 ring of triangles around them get all that is within the half width
 Sites voronoi_sites(const Mesh& mesh, const MeshTopology& topology, double half_width_voxels);
 
+/// Without the library call that std::floor is on old instruction sets.
+inline int floor_to_int(float x) {
+    const int i = static_cast<int>(x);
+    return i - (static_cast<float>(i) > x);
+}
+
 /// Calls visit(cell) for every cell of cell_size^3 samples, with its samples from cell_size * cell
 /// on, within `limits` [cells], that has a sample in the region; it may call for a few more.
 template<class Visit>
@@ -49,27 +55,28 @@ void for_each_cell(const SiteRegion& region, int cell_size, const IndexBox& limi
     const int u = (k + 1) % 3;
     const int v = (k + 2) % 3;
     const float* w = region.direction;
-    const auto size = static_cast<float>(cell_size);
+    const auto size = static_cast<float>(cell_size); // a power of two
+    const float inverse_size = 1 / size;
+    const float inverse_w = 1 / w[k];
     const float reach = region.lateral + region.lateral_slope * std::max(-region.low, region.high);
     const auto cells = [&](int axis, float low, float high, float lateral) {
         const float shift_low = std::min(low * w[axis], high * w[axis]);
         const float shift_high = std::max(low * w[axis], high * w[axis]);
         const float aside = lateral * region.lateral_factor[axis];
         // The last sample of a cell is size - 1 beyond its first.
-        const float first =
-            std::ceil((region.base_min[axis] + shift_low - aside - (size - 1)) / size);
-        const float last = std::floor((region.base_max[axis] + shift_high + aside) / size);
-        return std::pair(std::max(static_cast<int>(first), limits.lo[axis]),
-                         std::min(static_cast<int>(last), limits.hi[axis] - 1));
+        const int first = -floor_to_int(
+            -(region.base_min[axis] + shift_low - aside - (size - 1)) * inverse_size);
+        const int last = floor_to_int((region.base_max[axis] + shift_high + aside) * inverse_size);
+        return std::pair(std::max(first, limits.lo[axis]), std::min(last, limits.hi[axis] - 1));
     };
     const auto [k_first, k_last] = cells(k, region.low, region.high, reach);
     const float aside = reach * region.lateral_factor[k];
     Index3 cell;
     for (cell[k] = k_first; cell[k] <= k_last; ++cell[k]) {
         const float first_sample = size * static_cast<float>(cell[k]);
-        const float low = std::max(region.low, (first_sample - region.base_max[k] - aside) / w[k]);
+        const float low = std::max(region.low, (first_sample - region.base_max[k] - aside) * inverse_w);
         const float high =
-            std::min(region.high, (first_sample + size - 1 - region.base_min[k] + aside) / w[k]);
+            std::min(region.high, (first_sample + size - 1 - region.base_min[k] + aside) * inverse_w);
         if (!(low <= high)) continue;
         const float lateral = region.lateral + region.lateral_slope * std::max(-low, high);
         const auto [u_first, u_last] = cells(u, low, high, lateral);

@@ -157,7 +157,15 @@ std::vector<BandBlock> blocks_of_tile(const Sites& sites, const Index3& tile, st
     std::vector<Pair> pairs;
     pairs.reserve(4 * list.size());
     std::array<std::uint32_t, blocks_per_tile + 1> begin{};
-    for (const std::int32_t site : list) {
+    for (std::size_t i = 0; i < list.size(); ++i) {
+        // A tile's sites lie about in memory.
+        constexpr std::size_t ahead = 8;
+        if (i + ahead < list.size()) {
+            const auto* next = reinterpret_cast<const char*>(&sites.regions[list[i + ahead]]);
+            __builtin_prefetch(next);
+            __builtin_prefetch(next + 64);
+        }
+        const std::int32_t site = list[i];
         for_each_cell(sites.regions[site], block_size, limits, [&](const Index3& block) {
             if (!near_test.may_meet(site, block)) return;
             const Index3 at = block - first_block;

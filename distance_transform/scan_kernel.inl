@@ -81,7 +81,7 @@ public:
     std::int64_t run(ScanOutput& output) {
         const SiteArrays& sites = *input_.sites;
         for (int i = 0; i < input_.count; ++i) {
-            if (i + 2 < input_.count) prefetch(input_.list[i + 2]);
+            if (i + 3 < input_.count) prefetch_site(input_.list[i + 3]);
             const std::int32_t site = input_.list[i];
             const SiteRegion& region = sites.regions[site];
             if (site < sites.face_count)
@@ -97,15 +97,21 @@ public:
     }
 
 private:
-    void prefetch(std::int32_t site) const {
+    template<class T>
+    static void prefetch(const T& item) {
+        const char* first = reinterpret_cast<const char*>(&item);
+        for (unsigned long i = 0; i < sizeof item; i += 64) __builtin_prefetch(first + i);
+    }
+    /// A block's sites lie about in memory.
+    void prefetch_site(std::int32_t site) const {
         const SiteArrays& sites = *input_.sites;
-        __builtin_prefetch(sites.regions + site);
-        if (site < sites.face_count) {
-            const char* face = reinterpret_cast<const char*>(sites.faces + site);
-            __builtin_prefetch(face);
-            __builtin_prefetch(face + 64);
-            __builtin_prefetch(face + 128);
-        }
+        prefetch(sites.regions[site]);
+        if (site < sites.face_count)
+            prefetch(sites.faces[site]);
+        else if (site < sites.face_count + sites.edge_count)
+            prefetch(sites.edges[site - sites.face_count]);
+        else
+            prefetch(sites.vertices[site - sites.face_count - sites.edge_count]);
     }
 
     Columns& columns_of(int axis) {

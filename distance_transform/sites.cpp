@@ -133,11 +133,46 @@ private:
     SiteRegion region_{};
 };
 
+constexpr std::size_t most_clipping_planes = 12;
+
+/// The greatest |l| with l·u_j <= sign * k_j for all j, 0 if there is no such l. planes  (u_j, k_j);
+/// leaving some out, or a `bound` of |l| that is too large, makes the result larger at most.
+double greatest_offset(std::span<const Eigen::Vector3d> planes, double bound, double sign) {
+    using Point = Eigen::Vector2d;
+    // A convex polygon gains one corner at most from a cut.
+    std::array<Point, most_clipping_planes + 4> polygon = {
+        Point(-bound, -bound), Point(bound, -bound), Point(bound, bound), Point(-bound, bound)};
+    std::array<Point, most_clipping_planes + 4> cut;
+    std::size_t count = 4;
+    const double slack = 1e-6 * bound; // rounding must not close a thin cone
+    for (const Eigen::Vector3d& plane : planes) {
+        std::size_t cut_count = 0;
+        const auto excess = [&](const Point& p) {
+            return p.dot(plane.head<2>()) - sign * plane.z() - slack;
+        };
+        for (std::size_t i = 0; i < count; ++i) {
+            const Point& p = polygon[i];
+            const Point& q = polygon[(i + 1) % count];
+            const double at_p = excess(p);
+            const double at_q = excess(q);
+            if (at_p <= 0) cut[cut_count++] = p;
+            if ((at_p < 0 && at_q > 0) || (at_p > 0 && at_q < 0))
+                cut[cut_count++] = p + (q - p) * (at_p / (at_p - at_q));
+        }
+        std::swap(polygon, cut);
+        count = cut_count;
+        if (count == 0) return 0;
+    }
+    double greatest = 0;
+    for (std::size_t i = 0; i < count; ++i) greatest = std::max(greatest, polygon[i].norm());
+    return greatest;
+}
+
 class SiteFinder {
 public:
     SiteFinder(const Mesh& mesh, const MeshTopology& topology, double half_width)
         : mesh_(mesh), topology_(topology), half_width_(half_width),
-          noise_(mesh.triangles.size()), is_open_(topology.fan_count) {
+          normals_(mesh.triangles.size()), noise_(mesh.triangles.size()), is_open_(topology.fan_count) {
         for (std::size_t e = 0; e < topology.edge_count(); ++e) {
             if (topology.edge(e).size() == 2) continue;
             for (const std::uint32_t h : topology.edge(e)) {
@@ -207,6 +242,7 @@ private:
 
         FaceSite& face = sites_.faces[triangle];
         const Vec3d t = r.cross(s);
+        normals_[triangle] = t;
         write(face.origin, origin);
         write(face.r, r);
         write(face.s, s);
@@ -221,10 +257,6 @@ private:
         face.left = side(left);
         const std::array corners = {first, corner(triangle, longest + 1), apex};
         return RegionOf(corners, t, -half_width_, half_width_).get();
-    }
-
-    Vec3d face_normal(std::size_t triangle) const {
-        return Eigen::Map<const Vec3d>(sites_.faces[triangle].t);
     }
 
     static SiteRegion empty_region() {
@@ -246,7 +278,7 @@ private:
         double noise = 0;
         for (const std::uint32_t h : halfedges) {
             const bool is_along = corner(h / 3, h % 3) == ends[0];
-            const Vec3d normal = face_normal(h / 3);
+            const Vec3d& normal = normals_[h / 3];
             into += is_along ? normal.cross(e) : e.cross(normal);
             pseudonormal += normal;
             noise += noise_[h / 3];
@@ -266,8 +298,8 @@ private:
             if ((tangent + noise) * half_width_ < least_opening) return empty_region();
             if (tangent <= greatest_slope) {
                 // Where the edge is nearly flat, its direction is told better by the normals.
-                const Vec3d first = face_normal(halfedges[0] / 3);
-                const Vec3d second = face_normal(halfedges[1] / 3);
+                const Vec3d& first = normals_[halfedges[0] / 3];
+                const Vec3d& second = normals_[halfedges[1] / 3];
                 const Vec3d between = first.dot(second) < 0 ? Vec3d(first - second) : first + second;
                 middle = sine > 0.5 ? Vec3d(-into.normalized()) : between.normalized();
                 if (middle.dot(into) > 0) middle = -middle;
@@ -299,7 +331,7 @@ private:
         Vec3d pseudonormal = Vec3d::Zero();
         for (const std::uint32_t c : corners) {
             const auto [a, b] = edges_at(c);
-            pseudonormal += std::atan2(a.cross(b).norm(), a.dot(b)) * face_normal(c / 3);
+            pseudonormal += std::atan2(a.cross(b).norm(), a.dot(b)) * normals_[c / 3];
         }
         VertexSite& vertex = sites_.vertices[fan];
         write(vertex.origin, p);
@@ -308,6 +340,10 @@ private:
         const Vec3d n = pseudonormal.stableNormalized();
         double slope_above = 0;
         double slope_below = 0;
+        std::array<Eigen::Vector3d, most_clipping_planes> planes; // u_j in the plane across n, k_j
+        std::size_t plane_count = 0;
+        const Vec3d right = n.unitOrthogonal();
+        const Vec3d forward = n.cross(right);
         bool is_ring = !is_open_[fan] && n.squaredNorm() > 0.5;
         for (std::size_t i = 0; i < corners.size() && is_ring; ++i) {
             const auto [a, b] = edges_at(corners[i]);
@@ -324,6 +360,9 @@ private:
                       half_cosine > 0.05 && a_flat.cross(b_flat).dot(n) > 0;
             const double a_slope = -a_up / (a_length * half_cosine);
             const double b_slope = -b_up / (b_length * half_cosine);
+            if (plane_count < planes.size())
+                planes[plane_count++] = {a_flat.dot(right) / a_length,
+                                         a_flat.dot(forward) / a_length, -a_up / a_length};
             slope_above = std::max({slope_above, a_slope, b_slope});
             slope_below = std::max({slope_below, -a_slope, -b_slope});
         }
@@ -332,6 +371,12 @@ private:
             return RegionOf(std::span(&p, 1), Vec3d::UnitX(), -half_width_, half_width_)
                 .around(half_width_, 0)
                 .get();
+        // Cones of saddles are mostly empty; where they would be wide, that is worth finding out.
+        if (std::max(slope_above, slope_below) * half_width_ > 0.5) {
+            const auto known = std::span(planes).first(plane_count);
+            slope_above = std::min(slope_above, greatest_offset(known, slope_above, 1));
+            slope_below = std::min(slope_below, greatest_offset(known, slope_below, -1));
+        }
         const bool has_above = slope_above * half_width_ >= least_opening;
         const bool has_below = slope_below * half_width_ >= least_opening;
         if (!has_above && !has_below) return empty_region();
@@ -352,7 +397,9 @@ private:
     const Mesh& mesh_;
     const MeshTopology& topology_;
     double half_width_;
-    std::vector<double> noise_; // of the triangles' normals
+    // Of the triangles, apart from the sites, so that their neighbours find them in the caches.
+    std::vector<Vec3d> normals_;
+    std::vector<double> noise_; // of the normals
     std::vector<char> is_open_; // fans that do not close around their vertex
     Sites sites_;
 };

@@ -20,6 +20,8 @@ nlohmann::ordered_json to_json(const MeshVerdict& verdict) {
             {"boundary_loops", verdict.boundary_loops},
             {"non_manifold_edges", verdict.non_manifold_edges},
             {"flipped_edges", verdict.flipped_edges},
+            {"turned_triangles", verdict.turned_triangles},
+            {"orientable", verdict.is_orientable},
             {"non_manifold_vertices", verdict.non_manifold_vertices},
             {"shells", verdict.shells},
             {"volume", verdict.volume_world}};

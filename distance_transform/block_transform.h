@@ -10,26 +10,37 @@
 
 namespace isocast {
 
+struct ClosestBlock;
+
+/// How the samples of a block get their signs.
+struct BlockSigns {
+    bool is_signed = true;
+    const WindingNumber* winding = nullptr; // null leaves it to the sites' normals
+};
+
 /// The transform of a mesh, in voxels; blocks are independent of each other.
 class BlockTransform {
 public:
-    /// winding  tells inside from outside; null leaves it to the sites' normals
-    BlockTransform(const SiteArrays& sites, const WindingNumber* winding, double half_width_voxels,
+    BlockTransform(const SiteArrays& sites, BlockSigns signs, double half_width_voxels,
                    double voxel_size_world)
-        : sites_(sites), winding_(winding), half_width_(half_width_voxels),
+        : sites_(sites), signs_(signs), half_width_(half_width_voxels),
           voxel_size_(voxel_size_world) {}
 
     /// Fills values and active samples of the block at `block.coordinate`; inactive ones are
     /// ± background with the sign of the active ones next to them. Without active samples the
     /// values mean nothing.
     ///
+    /// closest  filled too, unless null
     /// list     numbers of all sites that hold the nearest point of a sample in the band
     /// returns  how many distances were computed
-    std::int64_t run(FieldBlock& block, std::span<const std::int32_t> list) const;
+    std::int64_t run(FieldBlock& block, std::span<const std::int32_t> list,
+                     ClosestBlock* closest = nullptr) const;
 
 private:
+    void find_closest(const Vec3d& origin, const ScanOutput& scanned, ClosestBlock& closest) const;
+
     SiteArrays sites_;
-    const WindingNumber* winding_;
+    BlockSigns signs_;
     double half_width_;
     double voxel_size_;
     ScanKernel scan_ = scan_kernel(best_instruction_set());

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/checked_mesh.h"
 
+#include "distance_transform/orientation.h"
+
 #include "volume/errors.h"
 
 #include <fmt/format.h>
@@ -191,6 +193,22 @@ double signed_volume(const Mesh& mesh) {
     return six_volumes / 6;
 }
 
+template<class IsTurned>
+void turn(CheckedMesh& checked, const IsTurned& is_turned) {
+    for (std::size_t t = 0; t < checked.mesh.triangles.size(); ++t)
+        if (is_turned(t)) std::swap(checked.mesh.triangles[t][1], checked.mesh.triangles[t][2]);
+    checked.topology = topology_of(checked.mesh);
+}
+
+/// Turns the triangles that disagree with their neighbours, if all can be made to agree.
+void orient(CheckedMesh& checked) {
+    const Orientation orientation = orientation_of(checked.mesh, checked.topology);
+    checked.verdict.is_orientable = orientation.is_possible;
+    if (!orientation.is_possible) return;
+    checked.verdict.turned_triangles = orientation.turned_count;
+    turn(checked, [&](std::size_t t) { return orientation.is_turned[t] != 0; });
+}
+
 std::vector<std::string> warnings_of(const MeshVerdict& verdict) {
     std::vector<std::string> warnings;
     const auto warn = [&](int count, std::string_view one, std::string_view many,
@@ -207,7 +225,11 @@ std::vector<std::string> warnings_of(const MeshVerdict& verdict) {
                         counted(verdict.boundary_edges, "boundary edge", "boundary edges"),
                         counted(verdict.boundary_loops, "hole", "holes")));
     warn(verdict.non_manifold_edges, "edge joins", "edges join", " more than two triangles.");
-    warn(verdict.flipped_edges, "edge joins", "edges join", " triangles of opposite orientation.");
+    if (!verdict.is_orientable)
+        warnings.push_back("The surface has one side only, like a Möbius strip: it has no inside.");
+    else
+        warn(verdict.turned_triangles, "triangle was", "triangles were",
+             " turned round to agree with the neighbours.");
     warn(verdict.non_manifold_vertices, "vertex joins", "vertices join",
          " parts of the surface that share no edge there.");
     if (verdict.reversed)
@@ -228,8 +250,10 @@ std::string MeshVerdict::summary() const {
         add("closed");
     if (non_manifold_edges > 0)
         add(counted(non_manifold_edges, "non-manifold edge", "non-manifold edges"));
-    if (flipped_edges > 0)
-        add(counted(flipped_edges, "flipped edge", "flipped edges"));
+    if (!is_orientable)
+        add("not orientable");
+    else if (turned_triangles > 0)
+        add(counted(turned_triangles, "triangle turned", "triangles turned"));
     else if (is_closed())
         add("oriented");
     if (non_manifold_vertices > 0)
@@ -254,11 +278,10 @@ CheckedMesh check(const Mesh& mesh) {
     verdict.shells = topology.shell_count;
     count_edges(result.mesh, topology, verdict);
     count_pinched_vertices(result.mesh, topology, verdict);
+    if (verdict.flipped_edges > 0) orient(result);
     verdict.volume_world = signed_volume(result.mesh);
     if (verdict.is_closed() && verdict.is_oriented() && verdict.volume_world < 0) {
-        for (std::array<int, 3>& triangle : result.mesh.triangles)
-            std::swap(triangle[1], triangle[2]);
-        result.topology = topology_of(result.mesh);
+        turn(result, [](std::size_t) { return true; });
         verdict.volume_world = -verdict.volume_world;
         verdict.reversed = true;
     }

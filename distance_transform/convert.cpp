@@ -1,11 +1,14 @@
-// From mesh to narrow-band distance field: lattice, blocks, distances, signs.
+// From mesh to distance field: lattice, sites, blocks, distances, signs.
 // SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/convert.h"
 
 #include "distance_transform/band_blocks.h"
 #include "distance_transform/block_transform.h"
+#include "distance_transform/csc.h"
+#include "distance_transform/kd_dense.h"
 #include "distance_transform/lattice.h"
 #include "distance_transform/open_mesh_signs.h"
+#include "distance_transform/printed_prisms.h"
 #include "distance_transform/progress_meter.h"
 #include "distance_transform/sign_check.h"
 #include "volume/errors.h"
@@ -13,11 +16,12 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
 #include <fstream>
-#include <limits>
+#include <numeric>
 
 namespace isocast {
 
@@ -28,12 +32,14 @@ struct SignName {
     SignMethod method;
 };
 
-constexpr std::array sign_names = {SignName{"auto", SignMethod::Auto},
-                                   SignName{"normal", SignMethod::Normal},
-                                   SignName{"winding", SignMethod::Winding}};
+constexpr std::array sign_names = {
+    SignName{"auto", SignMethod::Auto}, SignName{"normal", SignMethod::Normal},
+    SignName{"winding", SignMethod::Winding}, SignName{"unsigned", SignMethod::Unsigned}};
 
-double seconds_since(std::chrono::steady_clock::time_point start) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
 /// What the system says may still be taken; infinity where it says nothing.
@@ -52,21 +58,42 @@ void require_usable(const ConvertOptions& options) {
             fmt::format("voxel size {} is not a positive number", options.voxel_size_world));
     if (!(options.half_width_voxels >= 1) || !std::isfinite(options.half_width_voxels))
         throw InputError(fmt::format("half width {} is below 1 voxel", options.half_width_voxels));
+    if (options.closest && options.method != BandMethod::Scan)
+        throw InputError("only scan conversion finds closest points");
 }
 
-SignMethod chosen_sign(const MeshVerdict& verdict, SignMethod wanted,
-                       std::vector<std::string>& warnings) {
-    const bool has_normals = verdict.is_closed() && verdict.is_oriented();
-    if (wanted == SignMethod::Auto && !has_normals)
-        warnings.push_back(fmt::format(
-            "Signs come from the winding number, since the mesh is not closed and oriented ({}).",
-            verdict.summary()));
-    if (wanted == SignMethod::Normal && !has_normals)
-        warnings.push_back(fmt::format("Signs come from normals as asked, and can be wrong since "
-                                       "the mesh is not closed and oriented ({}).",
-                                       verdict.summary()));
-    if (wanted != SignMethod::Auto) return wanted;
-    return has_normals ? SignMethod::Normal : SignMethod::Winding;
+/// How signs are found, and why so.
+struct SignChoice {
+    SignMethod method;
+    std::string reason;
+    std::vector<std::string> warnings = {};
+};
+
+SignChoice chosen_sign(const MeshVerdict& verdict, SignMethod wanted) {
+    const bool has_inside = verdict.is_closed() && verdict.is_oriented();
+    if (wanted != SignMethod::Auto) {
+        SignChoice choice{wanted, "as asked"};
+        if (wanted == SignMethod::Normal && !has_inside)
+            choice.warnings.push_back(
+                fmt::format("Signs come from normals as asked, and can be wrong since the mesh is "
+                            "not closed and oriented ({}).",
+                            verdict.summary()));
+        return choice;
+    }
+    if (!verdict.is_orientable)
+        return {SignMethod::Unsigned,
+                "the surface is not orientable",
+                {"Distances carry no sign, since the surface has one side only: the result is no "
+                 "level set."}};
+    if (!has_inside)
+        return {SignMethod::Winding,
+                "the mesh is not closed",
+                {fmt::format("Signs come from the winding number, since the mesh is not closed and "
+                             "oriented ({}).",
+                             verdict.summary())}};
+    if (verdict.shells > 1)
+        return {SignMethod::Winding, fmt::format("the mesh has {} shells", verdict.shells)};
+    return {SignMethod::Normal, "the mesh is closed and oriented"};
 }
 
 /// Removes blocks without an active sample; few are, so that most of the array is moved.
@@ -74,12 +101,64 @@ void remove_empty(FieldBlocks& blocks) {
     std::erase_if(blocks, [](const FieldBlock& block) { return block.active.none(); });
 }
 
+struct Band {
+    FieldBlocks blocks;
+    std::vector<ClosestBlock> closest;
+    double prepare_seconds;
+    std::int64_t distance_evaluations;
+};
+
+Band scan_band(const LatticeMesh& lattice, const MeshTopology& topology,
+               const ConvertOptions& options, double memory_bytes, BlockSigns signs,
+               const Progress& progress) {
+    const auto start = Clock::now();
+    const Sites sites = voronoi_sites(lattice.mesh, topology, options.half_width_voxels);
+    const BandBlocks found = find_band_blocks(sites, memory_bytes, progress);
+    Band band{.blocks = FieldBlocks(found.blocks.size()),
+              .closest = std::vector<ClosestBlock>(options.closest ? found.blocks.size() : 0),
+              .prepare_seconds = seconds_since(start),
+              .distance_evaluations = 0};
+    const BlockTransform transform(sites.arrays(), signs, options.half_width_voxels,
+                                   options.voxel_size_world);
+    ProgressMeter meter(progress, "transform", static_cast<double>(found.blocks.size()), 16);
+    std::atomic<std::int64_t> evaluations = 0;
+    tbb::parallel_for(std::size_t{0}, found.blocks.size(), [&](std::size_t i) {
+        const BandBlock& wanted = found.blocks[i];
+        FieldBlock& block = *std::construct_at(&band.blocks[wanted.place]);
+        block.coordinate = wanted.coordinate;
+        evaluations += transform.run(block, found.sites(wanted),
+                                     options.closest ? &band.closest[wanted.place] : nullptr);
+        meter.add(1);
+    });
+    band.distance_evaluations = evaluations;
+    if (options.closest) {
+        std::size_t next = 0;
+        for (std::size_t i = 0; i < band.blocks.size(); ++i)
+            if (band.blocks[i].active.any()) band.closest[next++] = band.closest[i];
+        band.closest.resize(next);
+    }
+    remove_empty(band.blocks);
+    return band;
+}
+
+Band reference_band(const LatticeMesh& lattice, const ConvertOptions& options, double memory_bytes,
+                    const Progress& progress) {
+    ReferenceBand band =
+        options.method == BandMethod::Csc
+            ? characteristics_scan_conversion(lattice, options.half_width_voxels, memory_bytes,
+                                              progress)
+            : scan_convert_prisms(lattice, options.half_width_voxels, Gaps::Close, memory_bytes,
+                                  progress);
+    return {std::move(band.blocks), {}, 0, band.distance_evaluations};
+}
+
 } // namespace
 
 SignMethod sign_method_from_name(std::string_view name) {
     for (const SignName& known : sign_names)
         if (known.name == name) return known.method;
-    throw InputError(fmt::format("unknown sign method '{}' (known: auto, normal, winding)", name));
+    throw InputError(
+        fmt::format("unknown sign method '{}' (known: auto, normal, winding, unsigned)", name));
 }
 
 std::string_view name_of(SignMethod method) {
@@ -102,55 +181,137 @@ double voxel_size_for_resolution(const WorldBox& box, int resolution) {
 ConvertResult convert(const CheckedMesh& input, const ConvertOptions& options,
                       const Progress& progress) {
     require_usable(options);
-    const auto start = std::chrono::steady_clock::now();
-    std::vector<std::string> warnings;
-    SignMethod method = chosen_sign(input.verdict, options.sign, warnings);
+    const auto start = Clock::now();
     const double half_width = options.half_width_voxels;
-    const double memory = available_memory_bytes();
+    const double background = half_width * options.voxel_size_world;
+    const double memory = std::min(options.memory_bytes, available_memory_bytes());
     const LatticeMesh lattice = on_lattice(input.mesh, options.voxel_size_world, half_width);
     if (const double least = least_field_bytes(lattice.mesh, half_width); least > memory)
         refuse_memory(least, memory);
+    if (std::isfinite(options.memory_bytes)) {
+        const double expected = estimate(input, options).peak_bytes;
+        if (expected > options.memory_bytes) refuse_memory(expected, options.memory_bytes);
+    }
+
+    SignChoice sign = chosen_sign(input.verdict, options.sign);
     const bool is_closed = input.verdict.is_closed() && input.verdict.is_oriented();
     std::optional<WindingNumber> winding;
-    if (method == SignMethod::Winding) winding.emplace(lattice.mesh, is_closed);
-    const Sites sites = voronoi_sites(lattice.mesh, input.topology, half_width);
-    const BandBlocks band = find_band_blocks(sites, memory, progress);
-    const double prepare_seconds = seconds_since(start);
+    if (sign.method == SignMethod::Winding) winding.emplace(lattice.mesh, is_closed);
+    const BlockSigns block_signs{.is_signed = sign.method != SignMethod::Unsigned,
+                                 .winding = winding ? &*winding : nullptr};
+    Band band =
+        options.method == BandMethod::Scan
+            ? scan_band(lattice, input.topology, options, memory, block_signs, progress)
+            : reference_band(lattice, options, memory, progress);
 
-    const auto transform_start = std::chrono::steady_clock::now();
-    FieldBlocks blocks(band.blocks.size());
-    const BlockTransform transform(sites.arrays(), winding ? &*winding : nullptr, half_width,
-                                   options.voxel_size_world);
-    ProgressMeter meter(progress, "transform", static_cast<double>(blocks.size()), 16);
-    std::atomic<std::int64_t> evaluations = 0;
-    tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
-        FieldBlock& block = *std::construct_at(&blocks[band.blocks[i].place]);
-        block.coordinate = band.blocks[i].coordinate;
-        evaluations += transform.run(block, band.sites(band.blocks[i]));
-        meter.add(1);
-    });
-    remove_empty(blocks);
-
-    const double background = half_width * options.voxel_size_world;
-    if (options.sign == SignMethod::Auto && method == SignMethod::Normal &&
-        !signs_are_consistent(blocks, options.voxel_size_world)) {
-        method = SignMethod::Winding;
-        warnings.push_back("Signs come from the winding number, since those of normals contradict "
-                           "each other: the mesh intersects itself, or a part is inside out.");
-        sign_by_winding_number(blocks, WindingNumber(lattice.mesh, is_closed),
+    if (options.sign == SignMethod::Auto && sign.method == SignMethod::Normal &&
+        !signs_are_consistent(band.blocks, options.voxel_size_world)) {
+        sign.method = SignMethod::Winding;
+        sign.reason = "those of normals contradict each other";
+        sign.warnings.push_back("Signs come from the winding number, since those of normals "
+                                "contradict each other: the mesh intersects itself, or a part is "
+                                "inside out.");
+        sign_by_winding_number(band.blocks, WindingNumber(lattice.mesh, is_closed),
                                options.voxel_size_world, static_cast<float>(background), progress);
     }
-    if (method == SignMethod::Winding && !is_closed && !blocks.empty())
-        store_outside_signs(blocks, *winding, static_cast<float>(background),
-                            memory, progress);
-    for (FieldBlock& block : blocks) block.coordinate += lattice.anchor / block_size;
-    return {.field = SparseField(lattice.space, background, Outside::SignedBackground,
-                                 std::move(blocks)),
-            .sign_used = method,
-            .time = {.prepare_seconds = prepare_seconds,
-                     .transform_seconds = seconds_since(transform_start)},
-            .distance_evaluations = evaluations,
-            .warnings = std::move(warnings)};
+    if (sign.method == SignMethod::Winding && !is_closed && !band.blocks.empty()) {
+        const std::size_t count = band.blocks.size();
+        store_outside_signs(band.blocks, *winding, static_cast<float>(background), memory,
+                            progress);
+        if (options.closest && band.blocks.size() > count)
+            throw InputError("closest points of a mesh that is not closed need --sign unsigned: "
+                             "the signs reach beyond the band");
+    }
+    for (FieldBlock& block : band.blocks) block.coordinate += lattice.anchor / block_size;
+    const Outside outside = sign.method == SignMethod::Unsigned ? Outside::Background
+                                                                : Outside::SignedBackground;
+    return {
+        .field = SparseField(lattice.space, background, outside, std::move(band.blocks)),
+        .sign_used = sign.method,
+        .sign_reason = std::move(sign.reason),
+        .closest = std::move(band.closest),
+        .time = {.prepare_seconds = band.prepare_seconds,
+                 .transform_seconds = seconds_since(start) - band.prepare_seconds},
+        .distance_evaluations = band.distance_evaluations,
+        .warnings = std::move(sign.warnings),
+    };
+}
+
+ConvertEstimate estimate(const CheckedMesh& input, const ConvertOptions& options) {
+    require_usable(options);
+    const double voxel = options.voxel_size_world;
+    // A plane patch of area A and normal n meets A |n|_1 / s^2 cubes of edge s, and a slab of
+    // thickness 2 w around it A 2 w / s^3 more.
+    const double edge = block_size * voxel;
+    const double thickness = 2 * options.half_width_voxels * voxel;
+    ConvertEstimate result;
+    for (const auto& [a, b, c] : input.mesh.triangles) {
+        const Vec3d& p = input.mesh.vertices_world[a];
+        const Vec3d area_normal =
+            (input.mesh.vertices_world[b] - p).cross(input.mesh.vertices_world[c] - p) / 2;
+        result.blocks += area_normal.cwiseAbs().sum() / (edge * edge) +
+                         area_normal.norm() * thickness / (edge * edge * edge);
+        result.active_voxels += area_normal.norm() * thickness / (voxel * voxel * voxel);
+    }
+    const auto triangles = static_cast<double>(input.mesh.triangles.size());
+    const double closest = options.closest ? sizeof(ClosestBlock) : 0;
+    result.field_bytes = result.blocks * (sizeof(FieldBlock) + closest);
+    // A face, an edge and a half, half a vertex; and their numbers in the blocks' lists.
+    const double site_bytes = 3 * sizeof(SiteRegion) + sizeof(FaceSite) + 1.5 * sizeof(EdgeSite) +
+                              0.5 * sizeof(VertexSite);
+    const double per_block = sizeof(BandBlock) + sizeof(std::uint32_t);
+    result.peak_bytes =
+        result.field_bytes + triangles * (site_bytes + 200) + result.blocks * per_block;
+    return result;
+}
+
+IndexBox dense_box(const CheckedMesh& input, const ConvertOptions& options) {
+    const LatticeMesh lattice =
+        on_lattice(input.mesh, options.voxel_size_world, options.half_width_voxels);
+    const double margin = options.half_width_voxels;
+    const Index3 lo =
+        (lattice.box.min.array() - margin).floor().cast<int>().matrix() + lattice.anchor;
+    const Index3 hi =
+        (lattice.box.max.array() + margin).ceil().cast<int>().matrix() + lattice.anchor;
+    return {lo, (hi.array() + 1).matrix()};
+}
+
+DenseConvertResult convert_dense(const CheckedMesh& input, const ConvertOptions& options,
+                                 const Progress& progress) {
+    require_usable(options);
+    const auto start = Clock::now();
+    const LatticeMesh lattice =
+        on_lattice(input.mesh, options.voxel_size_world, options.half_width_voxels);
+    SignChoice sign = chosen_sign(input.verdict, options.sign);
+    if (sign.method == SignMethod::Unsigned)
+        throw InputError(
+            fmt::format("a full field needs signs, and {}",
+                        options.sign == SignMethod::Auto ? sign.reason : "none were asked for"));
+    const bool is_closed = input.verdict.is_closed() && input.verdict.is_oriented();
+    // No band tells whether normals contradict each other, so that only a narrow one is asked.
+    if (options.sign == SignMethod::Auto && sign.method == SignMethod::Normal) {
+        ConvertOptions narrow = options;
+        narrow.half_width_voxels = 3;
+        narrow.closest = false;
+        const ConvertResult band = convert(input, narrow, progress);
+        sign = {band.sign_used, band.sign_reason, band.warnings};
+    }
+    const SignOracle oracle = sign.method == SignMethod::Normal
+                                  ? SignOracle(Pseudonormals(lattice.mesh, input.topology))
+                                  : SignOracle(WindingNumber(lattice.mesh, is_closed));
+    const KdTree tree(lattice.mesh);
+    KdDenseResult dense =
+        dense_distances(lattice, tree, oracle,
+                        {.box = dense_box(input, options),
+                         .is_closed_and_oriented = is_closed,
+                         .memory_bytes = std::min(options.memory_bytes, available_memory_bytes())},
+                        progress);
+    return {.field = std::move(dense.field),
+            .sign_used = sign.method,
+            .sign_reason = std::move(sign.reason),
+            .seconds = seconds_since(start),
+            .distance_evaluations = dense.distance_evaluations,
+            .warnings = std::move(sign.warnings)};
 }
 
 } // namespace isocast

@@ -58,8 +58,8 @@ Mesh with_seams(Mesh mesh, double part, bool close) {
 // Halves of dyadic edges are exact, so the triangle that closes the seam has no area at all.
 TEST(HardMeshes, TrianglesWithoutAreaAreExact) {
     Mesh mesh = with_seams(rounded(noisy_sphere(2, 2)), 0.5, true);
-    mesh.triangles.push_back({0, 0, 1});
-    mesh.triangles.push_back({3, 3, 3});
+    const auto [a, b, c] = mesh.triangles[1];
+    mesh.triangles.insert(mesh.triangles.end(), {{a, a, b}, {c, c, c}});
     ASSERT_EQ(check(mesh).verdict.degenerate_triangles, 43 + 2);
     expect_exact_conversion(mesh, 0.11);
 }
@@ -139,8 +139,8 @@ Mesh gridded_cube(int times) {
     return subdivided(cube(), times);
 }
 
-double distance_to_cube(const Vec3d& p, const Vec3d& middle, double half) {
-    const Vec3d q = (p - middle).cwiseAbs() - Vec3d::Constant(half);
+double distance_to_cube(const Vec3d& p, double half) {
+    const Vec3d q = p.cwiseAbs() - Vec3d::Constant(half);
     return std::abs(q.cwiseMax(0).norm() + std::min(q.maxCoeff(), 0.0));
 }
 
@@ -154,17 +154,17 @@ TEST(HardMeshes, VerticesOnSamplesAndCoplanarNeighboursAreExact) {
             const SparseField field =
                 convert(check(mesh), {.voxel_size_world = 0x1p-3, .half_width_voxels = half_width})
                     .field;
-            const BoxOfSamples samples = samples_about(field, mesh, half_width);
-            const Vec3d middle = -samples.box.lo.cast<double>();
-            expect_no_faults(faults_of(
-                field, samples,
-                {.distance = [&](const Vec3d& p) { return distance_to_cube(p, middle, 8); },
+            const IndexBox box = box_about(mesh, field.space(), half_width);
+            const Vec3d middle = -box.lo.cast<double>();
+            const KnownField known = known_field(
+                {.distance = [&](const Vec3d& p) { return distance_to_cube(p - middle, 8); },
                  .winding =
                      [&](const Vec3d& p) {
                          return (p - middle).cwiseAbs().maxCoeff() < 8 ? 1.0 : 0.0;
-                     },
-                 .rounding_voxels = 0},
-                half_width));
+                     }},
+                box);
+            // All is exact: no rounding.
+            expect_no_faults(faults_of(field, known, half_width, false, 0));
         }
 }
 

@@ -19,11 +19,31 @@ Band band_of(const Mesh& mesh) {
 struct Subject {
     std::string name;
     Mesh mesh;
+    /// Across a hole the sign is that of a hierarchy's approximate winding number, which depends on
+    /// where the axes point.
+    bool is_open = false;
 };
+
+/// How GoogleTest shows a subject.
+void PrintTo(const Subject& subject, std::ostream* stream) {
+    *stream << subject.name;
+}
 
 class Symmetry : public ::testing::TestWithParam<Subject> {
 protected:
     const Mesh& mesh() const { return GetParam().mesh; }
+
+    /// Values may differ in the last place of the float, or, near 0, by the rounding of double
+    /// coordinates of some 10 voxels (1e-14); there the sign is free.
+    void expect_same(const Band& a, const Band& b) const {
+        ASSERT_EQ(a.size(), b.size());
+        for (auto ia = a.begin(), ib = b.begin(); ia != a.end(); ++ia, ++ib) {
+            ASSERT_EQ(ia->first, ib->first);
+            const float other =
+                GetParam().is_open ? std::copysign(ib->second, ia->second) : ib->second;
+            ASSERT_NEAR(ia->second, other, ulp(ia->second) + 1e-14 * voxel);
+        }
+    }
 };
 
 /// A map of the lattice onto itself.
@@ -44,7 +64,8 @@ struct LatticeMap {
     }
 };
 
-// To rounding: the axes' products are added in another order.
+// Like all that follows but for the moves by whole blocks and the scaling: to rounding, since
+// the axes' products are added in another order.
 TEST_P(Symmetry, QuarterTurnAboutAnyAxisTurnsTheField) {
     const Band band = band_of(mesh());
     for (int axis = 0; axis < 3; ++axis) {
@@ -53,7 +74,7 @@ TEST_P(Symmetry, QuarterTurnAboutAnyAxisTurnsTheField) {
         map.turn((axis + 1) % 3, (axis + 2) % 3) = -1;
         map.turn((axis + 2) % 3, (axis + 1) % 3) = 1;
         SCOPED_TRACE(axis);
-        expect_same_band(band_of(map.of(mesh())), map.of(band));
+        expect_same(band_of(map.of(mesh())), map.of(band));
     }
 }
 
@@ -64,12 +85,11 @@ TEST_P(Symmetry, MirrorImageMirrorsTheField) {
         LatticeMap map{Eigen::Matrix3i::Identity()};
         map.turn(axis, axis) = -1;
         SCOPED_TRACE(axis);
-        expect_same_band(band_of(map.of(mesh())), map.of(band));
+        expect_same(band_of(map.of(mesh())), map.of(band));
     }
 }
 
-// Bit for bit by whole blocks' worth of voxels or not: the transform sees the mesh relative to its
-// own lattice, whose anchor moves with the mesh only by whole blocks. To rounding otherwise.
+// Bit for bit: the transform sees the mesh from its lattice's anchor, a multiple of the block size.
 TEST_P(Symmetry, TranslationByWholeBlocksMovesTheFieldBitForBit) {
     const Index3 shift(8 * 5, 8 * -13, 8 * 1000);
     const Vec3d by = voxel * shift.cast<double>();
@@ -81,7 +101,7 @@ TEST_P(Symmetry, TranslationByWholeVoxelsMovesTheField) {
     const Index3 shift(5, -13, 1003);
     const Vec3d by = voxel * shift.cast<double>();
     const SparseField field = convert(check(moved(mesh(), by)), {.voxel_size_world = voxel}).field;
-    expect_same_band(band_map(field, -shift), band_of(mesh()));
+    expect_same(band_map(field, -shift), band_of(mesh()));
 }
 
 // To rounding: of equally near triangles the first may be taken, and sums begin elsewhere.
@@ -98,7 +118,7 @@ TEST_P(Symmetry, OrderOfTrianglesAndVerticesDoesNotMatter) {
         for (int& vertex : triangle) vertex = place[vertex];
         std::rotate(triangle.begin(), triangle.begin() + random() % 3, triangle.end());
     }
-    expect_same_band(band_of(other), band_of(mesh()));
+    expect_same(band_of(other), band_of(mesh()));
 }
 
 // Bit for bit: numbers of two scales differ in the exponent alone.
@@ -120,7 +140,7 @@ std::vector<Subject> subjects() {
     return {
         {"RoughSphere", rough},
         {"CubeOnSamples", subdivided(cube(), 2)},
-        {"OpenSphere", open},
+        {"OpenSphere", open, true},
         {"OverlappingShells", rounded(joined(sphere(2), moved(sphere(2), Vec3d(0.9, 0.2, 0.4))))},
         {"CubesThatShareAnEdge", rounded(tilted(joined(cube(), moved(cube(), Vec3d(2, 2, 0)))))}};
 }

@@ -21,45 +21,45 @@ TEST(HardMeshes, FanOfHundredThousandTrianglesIsExact) {
         SCOPED_TRACE(half_width);
         const SparseField field =
             convert(checked, {.voxel_size_world = 0.13, .half_width_voxels = half_width}).field;
-        const BoxOfSamples samples = samples_about(field, mesh, half_width);
-        const Mesh near = in_voxels(mesh, field.space(), samples.box.lo);
+        const IndexBox around = box_about(mesh, field.space(), half_width);
+        const Mesh near = in_voxels(mesh, field.space(), around.lo);
         const Vec3d middle =
-            in_voxels({{Vec3d::Zero()}, {}}, field.space(), samples.box.lo).vertices_world[0];
+            in_voxels({{Vec3d::Zero()}, {}}, field.space(), around.lo).vertices_world[0];
         const auto sector = [&](const Vec3d& p) {
             const double turn = std::atan2(p.y() - middle.y(), p.x() - middle.x()) / (2 * pi);
             const int first = static_cast<int>(std::floor((turn + 1) * sides));
             std::vector<Triangle> few;
             for (int i = first - 2; i <= first + 2; ++i)
-                for (const int half : {0, 1})
-                    few.push_back(near.triangles[2 * (i % sides) + half]);
+                for (const int half : {0, 1}) few.push_back(near.triangles[2 * (i % sides) + half]);
             return few;
         };
-        expect_no_faults(faults_of(
-            field, samples,
-            {.distance =
-                 [&](const Vec3d& p) {
-                     Mesh few;
-                     for (const Triangle& triangle : sector(p)) {
-                         const int at = static_cast<int>(few.vertices_world.size());
-                         for (const int v : triangle)
-                             few.vertices_world.push_back(near.vertices_world[v]);
-                         few.triangles.push_back({at, at + 1, at + 2});
-                     }
-                     return brute_force_distance(few, p);
-                 },
-             .winding =
-                 [&](const Vec3d& p) {
-                     // Convex: inside is what is below the planes of all of its sector.
-                     bool is_inside = true;
-                     for (const auto& [a, b, c] : sector(p)) {
-                         const Vec3d& from = near.vertices_world[a];
-                         is_inside = is_inside && (near.vertices_world[b] - from)
-                                                          .cross(near.vertices_world[c] - from)
-                                                          .dot(p - from) < 0;
-                     }
-                     return is_inside ? 1.0 : 0.0;
-                 }},
-            half_width));
+        const KnownField known =
+            known_field({.distance =
+                             [&](const Vec3d& p) {
+                                 Mesh few;
+                                 for (const Triangle& triangle : sector(p)) {
+                                     const int at = static_cast<int>(few.vertices_world.size());
+                                     for (const int v : triangle)
+                                         few.vertices_world.push_back(near.vertices_world[v]);
+                                     few.triangles.push_back({at, at + 1, at + 2});
+                                 }
+                                 return brute_force_distance(few, p);
+                             },
+                         .winding =
+                             [&](const Vec3d& p) {
+                                 // Convex: inside is what is below the planes of all of its sector.
+                                 bool is_inside = true;
+                                 for (const auto& [a, b, c] : sector(p)) {
+                                     const Vec3d& from = near.vertices_world[a];
+                                     is_inside =
+                                         is_inside && (near.vertices_world[b] - from)
+                                                              .cross(near.vertices_world[c] - from)
+                                                              .dot(p - from) < 0;
+                                 }
+                                 return is_inside ? 1.0 : 0.0;
+                             }},
+                        around);
+        expect_no_faults(faults_of(field, known, half_width));
     }
 }
 

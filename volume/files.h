@@ -70,18 +70,18 @@ void write_dense(const FieldSource& field, const std::filesystem::path& path,
                  const Progress& progress = {});
 
 /// NRRD with attached header: `space directions` hold any affine map.
-/// source  teem's "Definition of NRRD File Format", NRRD0004
+/// source  teem.sourceforge.net/nrrd/format.html, NRRD0004; teem's own program reads it (a test)
 void write_nrrd(const FieldSource& field, const std::filesystem::path& path,
                 const Progress& progress = {});
 
 /// MetaImage: header .mhd, samples in a .raw of the same name. Rotated grids, no sheared ones.
-/// source  the MetaIO documentation of ITK: rows of TransformMatrix are the directions of the axes
+/// source  ITK's itkMetaImageIO.cxx: rows of TransformMatrix are the directions of the axes
 void write_mhd(const FieldSource& field, const std::filesystem::path& path,
                const Progress& progress = {});
 
 /// VTK ImageData, raw appended samples with 64-bit sizes. The extent keeps the field's indices.
 /// Rotated grids (VTK 9 and later read `Direction`), no sheared ones.
-/// source  the VTK User's Guide, XML file formats
+/// source  VTK's vtkXMLImageDataReader.cxx
 void write_vti(const FieldSource& field, const std::filesystem::path& path,
                const Progress& progress = {});
 

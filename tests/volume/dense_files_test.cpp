@@ -262,36 +262,26 @@ TEST(DenseFiles, MoreThanTheDiskHoldsIsRefusedBeforeAnythingIsWritten) {
                 HasSubstr("does not exist"));
 }
 
-/// What a command prints.
-std::string output_of(const std::string& command) {
+// Debian's package teem-apps calls the program teem-unu.
+TEST(DenseFiles, TeemReadsTheSameSamplesAndPlaces) {
+    if (std::system("command -v teem-unu > /dev/null") != 0) GTEST_SKIP() << "no teem-unu here";
     const TemporaryFolder folder;
-    const std::filesystem::path path = folder / "output";
-    return std::system((command + " > " + path.string()).c_str()) == 0 ? bytes_of(path) : "";
-}
-
-TEST(DenseFiles, SimpleItkAndVtkReadTheSameSamplesAtTheSamePlaces) {
-    for (const auto& [module, name] :
-         {std::pair("SimpleITK", "a.nrrd"), std::pair("SimpleITK", "a.mhd"),
-          std::pair("vtk", "a.vti")}) {
-        const std::string import = std::string("python3 -c 'import ") + module + "' 2> /dev/null";
-        if (std::system(import.c_str()) != 0) GTEST_SKIP() << "python3 has no module " << module;
-        const TemporaryFolder folder;
-        const DenseField field = dense_in(turned_space(), 9);
-        write_dense(field, folder / name);
-        std::istringstream corners(
-            output_of("python3 " ISOCAST_SOURCE_DIR "/tests/volume/read_dense.py " +
-                      (folder / name).string() + " " + (folder / "a.samples").string()));
-        EXPECT_EQ(floats_of(bytes_of(folder / "a.samples")), samples_of(field));
-        const IndexBox box = field.extent();
-        for (const Index3& corner : {box.lo, Index3(box.hi.array() - 1)}) {
-            Vec3d read = Vec3d::Zero();
-            corners >> read.x() >> read.y() >> read.z();
-            ASSERT_TRUE(corners) << name;
-            // 1e-15 of the coordinates, a few roundings each.
-            EXPECT_TRUE(read.isApprox(field.space().to_world(corner.cast<double>()), 4e-15))
-                << name << ": " << read.transpose();
-        }
-    }
+    const DenseField field = dense_in(sheared_space(), 9);
+    write_nrrd(field, folder / "a.nrrd");
+    const auto output_of = [&](const std::string& verb) {
+        const std::string output = (folder / verb).string();
+        const std::string command =
+            "teem-unu " + verb + " " + (folder / "a.nrrd").string() + " > " + output;
+        EXPECT_EQ(std::system(command.c_str()), 0);
+        return bytes_of(output);
+    };
+    EXPECT_EQ(floats_of(output_of("data")), samples_of(field));
+    const std::string header = output_of("head");
+    EXPECT_THAT(header, HasSubstr("\nsizes: 13 3 11\n"));
+    EXPECT_THAT(numbers_after(header, "space directions: "),
+                ElementsAreArray(field.space().world_from_index.linear().reshaped()));
+    EXPECT_THAT(numbers_after(header, "space origin: "),
+                ElementsAreArray(field.space().to_world(Vec3d(-3, 5, -70))));
 }
 
 } // namespace

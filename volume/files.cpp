@@ -1,4 +1,4 @@
-// Which reader a field file's extension calls for.
+// Which reader or writer a field file's extension calls for.
 // SPDX-License-Identifier: MPL-2.0
 #include "volume/files.h"
 
@@ -8,11 +8,34 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 
 namespace isocast {
 
 namespace {
+
+struct DenseFormat {
+    std::string_view extension;
+    void (*write)(const FieldSource&, const std::filesystem::path&, const Progress&);
+};
+
+constexpr std::array dense_formats = {DenseFormat{".nrrd", write_nrrd},
+                                      DenseFormat{".mhd", write_mhd},
+                                      DenseFormat{".vti", write_vti}};
+
+std::string lower_case_extension(const std::filesystem::path& path) {
+    std::string extension = path.extension().string();
+    std::ranges::transform(extension, extension.begin(),
+                           [](unsigned char c) { return std::tolower(c); });
+    return extension;
+}
+
+const DenseFormat* dense_format_of(const std::filesystem::path& path) {
+    const std::string extension = lower_case_extension(path);
+    const auto found = std::ranges::find(dense_formats, extension, &DenseFormat::extension);
+    return found == dense_formats.end() ? nullptr : found;
+}
 
 void require_field_file(const std::filesystem::path& path) {
     if (is_field_file(path)) return;
@@ -23,10 +46,7 @@ void require_field_file(const std::filesystem::path& path) {
 } // namespace
 
 bool is_field_file(const std::filesystem::path& path) {
-    std::string extension = path.extension().string();
-    std::ranges::transform(extension, extension.begin(),
-                           [](unsigned char c) { return std::tolower(c); });
-    return extension == ".vdb";
+    return lower_case_extension(path) == ".vdb";
 }
 
 std::string field_file_extensions() {
@@ -42,6 +62,26 @@ std::unique_ptr<FieldSource> read_field(const std::filesystem::path& path,
 std::vector<GridDescription> describe_field_file(const std::filesystem::path& path) {
     require_field_file(path);
     return describe_vdb(path);
+}
+
+bool is_dense_file(const std::filesystem::path& path) {
+    return dense_format_of(path) != nullptr;
+}
+
+std::string dense_file_extensions() {
+    std::string all;
+    for (const DenseFormat& format : dense_formats)
+        all += fmt::format("{}{}", all.empty() ? "" : ", ", format.extension);
+    return all;
+}
+
+void write_dense(const FieldSource& field, const std::filesystem::path& path,
+                 const Progress& progress) {
+    const DenseFormat* const format = dense_format_of(path);
+    if (format == nullptr)
+        throw InputError(fmt::format("{}: not a dense file by its extension (known: {})",
+                                     path.string(), dense_file_extensions()));
+    format->write(field, path, progress);
 }
 
 } // namespace isocast

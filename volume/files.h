@@ -51,4 +51,38 @@ std::vector<GridDescription> describe_field_file(const std::filesystem::path& pa
 void write_vdb(const SparseField& field, const std::filesystem::path& path,
                const std::map<std::string, std::string>& metadata = {});
 
+// Dense files: every sample of the field's extent, as float32, little endian, x fastest, cut from
+// the field slab by slab so that no dense copy is ever in memory.
+
+/// True for a file name that write_dense understands, by its extension.
+bool is_dense_file(const std::filesystem::path& path);
+/// The extensions that write_dense understands, for messages.
+std::string dense_file_extensions();
+
+/// Writes the field's extent in the format of the extension: .nrrd, .mhd (and .raw beside it),
+/// .vti. The file appears whole or not at all; of the pair the .raw first, so that whoever sees a
+/// new .mhd sees its samples.
+///
+/// throws  InputError for an unknown extension, a folder that does not exist, an empty extent, or a
+///         sheared grid in a format that has no place for one (.mhd, .vti); ResourceError if the
+///         disk has too little room, before anything is written, or fails
+void write_dense(const FieldSource& field, const std::filesystem::path& path,
+                 const Progress& progress = {});
+
+/// NRRD with attached header: `space directions` hold any affine map.
+/// source  teem.sourceforge.net/nrrd/format.html, NRRD0004; teem's own program reads it (a test)
+void write_nrrd(const FieldSource& field, const std::filesystem::path& path,
+                const Progress& progress = {});
+
+/// MetaImage: header .mhd, samples in a .raw of the same name. Rotated grids, no sheared ones.
+/// source  ITK's itkMetaImageIO.cxx: rows of TransformMatrix are the directions of the axes
+void write_mhd(const FieldSource& field, const std::filesystem::path& path,
+               const Progress& progress = {});
+
+/// VTK ImageData, raw appended samples with 64-bit sizes. The extent keeps the field's indices.
+/// Rotated grids (VTK 9 and later read `Direction`), no sheared ones.
+/// source  VTK's vtkXMLImageDataReader.cxx
+void write_vti(const FieldSource& field, const std::filesystem::path& path,
+               const Progress& progress = {});
+
 } // namespace isocast

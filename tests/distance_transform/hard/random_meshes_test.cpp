@@ -1,0 +1,24 @@
+// Random solids without a wrong sign; the long tests have 200 of them.
+// SPDX-License-Identifier: MPL-2.0
+#include "exact_field.h"
+#include "random_solids.h"
+
+namespace isocast::test {
+namespace {
+
+TEST(RandomSolids, RoughSpheresAreExact) {
+    for (unsigned seed = 1000; seed < 1012; ++seed) {
+        SCOPED_TRACE(seed);
+        expect_exact_conversion(noisy_sphere(seed, 2 + int(seed % 2)), 0.15);
+    }
+}
+
+TEST(RandomSolids, OverlappingShellsAreTheirUnion) {
+    for (unsigned seed = 2000; seed < 2008; ++seed) {
+        SCOPED_TRACE(seed);
+        expect_exact_conversion(overlapping_shells(seed), 0.13);
+    }
+}
+
+} // namespace
+} // namespace isocast::test

@@ -1,0 +1,64 @@
+// Far from the origin, very large and very small: the truth is the field of the rounded vertices.
+// SPDX-License-Identifier: MPL-2.0
+#include "exact_field.h"
+#include "shapes.h"
+
+namespace isocast::test {
+namespace {
+
+// Rounding moves vertices by up to 1e-8 of the size, so that triangles are not quite what they
+// were.
+TEST(HardMeshes, FarFromTheOriginTheRoundedMeshIsExact) {
+    for (const double offset : {1e6, 1e8})
+        for (const bool is_closed : {true, false}) {
+            SCOPED_TRACE(offset);
+            Mesh mesh = moved(noisy_sphere(30, 3), Vec3d(2.1, -1.7, 1.9) * offset);
+            if (!is_closed) mesh.triangles.resize(470);
+            expect_exact_conversion(mesh, 0.11, mesh, is_closed ? Sides::Closed : Sides::Open);
+        }
+}
+
+TEST(HardMeshes, TinyAndHugeMeshesAreExact) {
+    for (const double scale : {1e-12, 1e-6, 1e6, 1e12}) {
+        SCOPED_TRACE(scale);
+        const ConvertResult result =
+            expect_exact_conversion(scaled(noisy_sphere(31, 3), scale), 0.11 * scale);
+        EXPECT_EQ(result.sign_used, SignMethod::Normal);
+    }
+}
+
+TEST(HardMeshes, TrianglesMuchLargerThanTheBandAreExact) {
+    for (const Mesh& mesh : {box(Vec3d(-0.013, 0.02, 0.007), Vec3d(1.01, 0.63, 0.41)),
+                             tilted(box(Vec3d::Zero(), Vec3d(1.03, 0.71, 0.35)))})
+        expect_exact_conversion(mesh, 0.01);
+}
+
+TEST(HardMeshes, SingleLargeTriangleIsExactAndHasNoInside) {
+    const Mesh mesh = tilted({{Vec3d(0, 0, 0), Vec3d(1, 0.1, 0), Vec3d(0.3, 0.9, 0)}, {{0, 1, 2}}});
+    const ConvertResult result = expect_exact_conversion(mesh, 0.01, mesh, Sides::None);
+    for (const FieldBlock& block : result.field.blocks())
+        ASSERT_TRUE(std::ranges::all_of(block.values, [](float value) { return value > 0; }));
+}
+
+// Between samples, about one, and with a corner on one.
+TEST(HardMeshes, MeshSmallerThanAVoxelIsExact) {
+    for (const double size : {0.3, 0.01, 1e-6})
+        for (const Vec3d& middle :
+             {Vec3d(0.3, 0.2, 0.4), Vec3d(5, -3, 2), Vec3d(Vec3d::Constant(-size))}) {
+            SCOPED_TRACE(size);
+            const Mesh mesh = moved(scaled(tetrahedron(), size), middle);
+            const ConvertResult result = expect_exact_conversion(mesh, 1);
+            // The ball of radius 3 holds 113 unit cells, give or take its surface.
+            EXPECT_NEAR(double(result.field.active_voxel_count()), 113, size < 0.1 ? 20 : 60);
+        }
+}
+
+TEST(HardMeshes, ThinPlateIsExact) {
+    for (const double thickness : {0.5, 1e-3, 1e-7}) {
+        SCOPED_TRACE(thickness);
+        expect_exact_conversion(tilted(box(Vec3d::Zero(), Vec3d(20, 15, thickness))), 1);
+    }
+}
+
+} // namespace
+} // namespace isocast::test

@@ -2,144 +2,341 @@
 #include "apps/verbs.h"
 
 #include "apps/console.h"
+#include "apps/convert_report.h"
 #include "apps/inputs.h"
 #include "apps/parsed_option.h"
 #include "apps/verdict_json.h"
 #include "distance_transform/convert.h"
+#include "volume/errors.h"
 #include "volume/files.h"
+#include "volume/sparsify.h"
+#include "volume/sweep.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <tbb/global_control.h>
 
+#include <set>
+
 namespace isocast {
 
 namespace {
 
+enum class Method { Prism, Csc, KdTree };
+enum class PrismKind { Exact, Printed };
+enum class Extend { None, Full, Exact };
+
+template<class Value>
+Value choice_from(std::string_view text,
+                  std::initializer_list<std::pair<std::string_view, Value>> known) {
+    std::string names;
+    for (const auto& [name, value] : known) {
+        if (name == text) return value;
+        names += fmt::format("{}{}", names.empty() ? "" : ", ", name);
+    }
+    throw UsageError(fmt::format("'{}' is none of {}", text, names));
+}
+
+/// A number of bytes, e.g. 8G or 500M (powers of 1024).
+double bytes_from(std::string_view text) {
+    double unit = 1;
+    for (const auto& [letter, size] :
+         {std::pair('K', 0x1p10), std::pair('M', 0x1p20), std::pair('G', 0x1p30)}) {
+        if (!text.ends_with(letter)) continue;
+        unit = size;
+        text.remove_suffix(1);
+        break;
+    }
+    const double count = number_from(text);
+    if (!(count > 0)) throw UsageError(fmt::format("'{}' is not a size above 0", text));
+    return count * unit;
+}
+
 struct ConvertCommand {
-    std::string input;
+    std::vector<std::string> inputs;
     std::filesystem::path output;
+    std::filesystem::path out_dir;
     std::optional<double> voxel_size_world;
     int resolution = 256;
     double band_voxels = 3;
     std::optional<double> band_world;
     SignMethod sign = SignMethod::Auto;
+    Method method = Method::Prism;
+    PrismKind prism = PrismKind::Exact;
+    Extend extend = Extend::None;
+    bool closest = false;
+    bool dry_run = false;
+    double memory_bytes = std::numeric_limits<double>::infinity();
     std::size_t threads =
         tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
     bool json = false;
+
+    /// A full grid instead of a band, computed sample by sample.
+    bool is_dense() const { return method == Method::KdTree || extend == Extend::Exact; }
 };
 
-struct Seconds {
-    double read, prepare, transform, write, total;
+/// One mesh on its way to one file.
+struct Job {
+    std::string input;
+    std::filesystem::path output;
 };
 
-void report_json(const ConvertCommand& command, const CheckedMesh& mesh,
-                 const ConvertOptions& options, const ConvertResult& result,
-                 const std::vector<std::string>& warnings, const Seconds& seconds) {
-    print_json({{"input", command.input},
-                {"output", command.output.string()},
-                {"triangles", mesh.verdict.triangles},
-                {"verdict", to_json(mesh.verdict)},
-                {"sign", name_of(result.sign_used)},
-                {"voxel_size", options.voxel_size_world},
-                {"half_width_voxels", options.half_width_voxels},
-                {"active_voxels", result.field.active_voxel_count()},
-                {"seconds",
-                 {{"read", seconds.read},
-                  {"prepare", seconds.prepare},
-                  {"transform", seconds.transform},
-                  {"write", seconds.write},
-                  {"total", seconds.total}}},
-                {"peak_bytes", peak_memory_bytes()},
-                {"warnings", warnings}});
+std::vector<Job> jobs_of(const ConvertCommand& command) {
+    if (command.out_dir.empty()) {
+        if (command.inputs.size() > 1)
+            throw UsageError("several inputs need --out-dir instead of -o");
+        if (command.output.empty() && !command.dry_run)
+            throw UsageError("an output is needed: -o FILE, or --out-dir DIR");
+        return {{command.inputs.front(), command.output}};
+    }
+    if (!command.output.empty()) throw UsageError("-o and --out-dir exclude each other");
+    std::vector<Job> jobs;
+    std::set<std::filesystem::path> outputs;
+    for (const std::string& text : command.inputs) {
+        const Input input = input_from(text);
+        const std::filesystem::path output =
+            command.out_dir / (std::filesystem::path(input.name).stem().string() + ".vdb");
+        if (!outputs.insert(output).second)
+            throw UsageError(fmt::format("two inputs would become {}", output.string()));
+        jobs.push_back({text, output});
+    }
+    return jobs;
 }
 
-void report(const ConvertCommand& command, const CheckedMesh& mesh, const ConvertOptions& options,
-            const ConvertResult& result, const Seconds& seconds) {
-    const Index3 size = result.field.extent().size();
-    fmt::print("{}: {} triangles, {}\n", command.input, mesh.verdict.triangles,
-               mesh.verdict.summary());
-    fmt::print("{}: {} active voxels of {:.6g} in {} x {} x {}, band of {:.4g} voxels on either "
-               "side, signs by {}\n",
-               command.output.string(), result.field.active_voxel_count(), options.voxel_size_world,
-               size.x(), size.y(), size.z(), options.half_width_voxels, name_of(result.sign_used));
-    fmt::print("{:.2f} s: read {:.2f}, prepare {:.2f}, transform {:.2f}, write {:.2f}\n",
-               seconds.total, seconds.read, seconds.prepare, seconds.transform, seconds.write);
+void check_command(const ConvertCommand& command) {
+    if (command.prism == PrismKind::Printed && command.method != Method::Prism)
+        throw UsageError("--prism printed is a kind of --method prism");
+    if (command.closest && (command.method != Method::Prism || command.extend != Extend::None ||
+                            command.prism != PrismKind::Exact))
+        throw UsageError("--closest goes with the default method and no --extend");
 }
 
-void run(const ConvertCommand& command, Console& console) {
-    const Stopwatch total;
-    const Input input = input_from(command.input);
-    check_output(command.output, {".vdb"});
-    const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
-                                      command.threads);
-    const Progress progress = console.progress();
+std::vector<std::string> output_extensions() {
+    return {".vdb", ".nrrd", ".mhd", ".vti"};
+}
 
-    Stopwatch step;
-    progress("reading", 0);
-    const CheckedMesh mesh = read_checked_mesh(input);
-    Seconds seconds{};
-    seconds.read = step.lap();
-
-    ConvertOptions options{.sign = command.sign};
+ConvertOptions options_for(const ConvertCommand& command, const CheckedMesh& mesh) {
+    ConvertOptions options{.sign = command.sign,
+                           .method = command.method == Method::Csc       ? BandMethod::Csc
+                                     : command.prism == PrismKind::Exact ? BandMethod::Scan
+                                                                         : BandMethod::PrintedPrisms,
+                           .closest = command.closest,
+                           .memory_bytes = command.memory_bytes};
     options.voxel_size_world =
         command.voxel_size_world
             ? *command.voxel_size_world
             : voxel_size_for_resolution(bounding_box(mesh.mesh), command.resolution);
     options.half_width_voxels =
         command.band_world ? *command.band_world / options.voxel_size_world : command.band_voxels;
-    const ConvertResult result = convert(mesh, options, progress);
-    seconds.prepare = result.time.prepare_seconds;
-    seconds.transform = result.time.transform_seconds;
+    return options;
+}
 
-    step.lap();
-    progress("writing", 0);
-    write_vdb(result.field, command.output,
-              {{"creator", "isocast " ISOCAST_VERSION},
-               {"source", command.input},
-               {"sign_method", std::string(name_of(result.sign_used))},
-               {"half_width_voxels", fmt::format("{}", options.half_width_voxels)}});
-    seconds.write = step.lap();
-    seconds.total = total.seconds();
+std::map<std::string, std::string> metadata_of(const ConvertReport& report) {
+    return {{"creator", "isocast " ISOCAST_VERSION},
+            {"source", std::filesystem::path(report.input).filename().string()},
+            {"sign_method", std::string(name_of(report.sign))},
+            {"half_width_voxels", fmt::format("{}", report.options.half_width_voxels)}};
+}
 
-    console.end_progress();
-    std::vector<std::string> warnings = mesh.warnings;
-    warnings.insert(warnings.end(), result.warnings.begin(), result.warnings.end());
-    for (const std::string& warning : warnings)
-        console.warn(fmt::format("{}: {}", command.input, warning));
-    if (command.json)
-        report_json(command, mesh, options, result, warnings, seconds);
+void write_full(const DenseField& field, const ConvertReport& report, const Progress& progress) {
+    if (is_dense_file(report.output))
+        write_dense(field, report.output, progress);
     else
-        report(command, mesh, options, result, seconds);
+        write_vdb(to_sparse(field, progress), report.output, metadata_of(report));
+}
+
+void write_band(const ConvertResult& result, const ConvertReport& report,
+                const Progress& progress) {
+    if (is_dense_file(report.output)) {
+        write_dense(result.field, report.output, progress);
+        return;
+    }
+    ClosestGrids closest;
+    if (!result.closest.empty()) {
+        closest.offset_world = [&](std::size_t block, int sample) {
+            return result.closest[block].offset_world[sample];
+        };
+        closest.feature = [&](std::size_t block, int sample) {
+            return result.closest[block].feature[sample];
+        };
+    }
+    write_vdb(result.field, report.output, metadata_of(report), closest);
+}
+
+void convert_to_full(const ConvertCommand& command, const CheckedMesh& mesh,
+                     ConvertReport& report, const Progress& progress) {
+    Stopwatch step;
+    if (command.is_dense()) {
+        DenseConvertResult result = convert_dense(mesh, report.options, progress);
+        report.take(result.sign_used, result.sign_reason, result.warnings);
+        report.active_voxels = result.field.extent().sample_count();
+        report.size = result.field.extent().size();
+        report.seconds.transform = result.seconds;
+        step.lap();
+        write_full(result.field, report, progress);
+    } else {
+        const ConvertResult result = convert(mesh, report.options, progress);
+        report.take(result.sign_used, result.sign_reason, result.warnings);
+        report.seconds.prepare = result.time.prepare_seconds;
+        report.seconds.transform = result.time.transform_seconds;
+        progress("extending", 0);
+        const DenseField full =
+            extend_by_sweeping(result.field, dense_box(mesh, report.options));
+        report.active_voxels = full.extent().sample_count();
+        report.size = full.extent().size();
+        report.seconds.transform = step.lap() - report.seconds.prepare;
+        write_full(full, report, progress);
+    }
+    report.seconds.write = step.lap();
+}
+
+void convert_to_band(const CheckedMesh& mesh, ConvertReport& report, const Progress& progress) {
+    const ConvertResult result = convert(mesh, report.options, progress);
+    report.take(result.sign_used, result.sign_reason, result.warnings);
+    report.active_voxels = result.field.active_voxel_count();
+    report.size = result.field.extent().size();
+    report.seconds.prepare = result.time.prepare_seconds;
+    report.seconds.transform = result.time.transform_seconds;
+    Stopwatch step;
+    progress("writing", 0);
+    write_band(result, report, progress);
+    report.seconds.write = step.lap();
+}
+
+ConvertReport run_job(const ConvertCommand& command, const Job& job, Console& console) {
+    const Stopwatch total;
+    const Input input = input_from(job.input);
+    if (!command.dry_run) check_output(job.output, output_extensions());
+    const Progress progress = console.progress();
+    Stopwatch step;
+    progress("reading", 0);
+    const CheckedMesh mesh = read_checked_mesh(input);
+    ConvertReport report{.input = job.input,
+                         .output = job.output,
+                         .verdict = mesh.verdict,
+                         .options = options_for(command, mesh),
+                         .warnings = mesh.warnings};
+    report.seconds.read = step.lap();
+    if (command.dry_run)
+        report.expected = estimate(mesh, report.options);
+    else if (command.is_dense() || command.extend == Extend::Full)
+        convert_to_full(command, mesh, report, progress);
+    else
+        convert_to_band(mesh, report, progress);
+    report.seconds.total = total.seconds();
+    console.end_progress();
+    for (const std::string& warning : report.warnings)
+        console.warn(fmt::format("{}: {}", job.input, warning));
+    return report;
+}
+
+void run(const ConvertCommand& command, Console& console) {
+    check_command(command);
+    const std::vector<Job> jobs = jobs_of(command);
+    const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
+                                      command.threads);
+    if (jobs.size() == 1) {
+        const ConvertReport report = run_job(command, jobs.front(), console);
+        if (command.json)
+            print_json(to_json(report, command.threads));
+        else
+            print(report, command.threads);
+        return;
+    }
+    // A batch goes on after a mesh that fails, and fails in the end as the first of those did.
+    nlohmann::ordered_json all = nlohmann::ordered_json::array();
+    std::exception_ptr first_failure;
+    for (const Job& job : jobs) {
+        try {
+            const ConvertReport report = run_job(command, job, console);
+            if (command.json)
+                all.push_back(to_json(report, command.threads));
+            else
+                print(report, command.threads);
+        } catch (const Interrupted&) {
+            throw;
+        } catch (const std::exception& error) {
+            console.end_progress();
+            if (first_failure)
+                console.error(error.what());
+            else
+                first_failure = std::current_exception();
+        }
+    }
+    if (command.json) print_json(all);
+    if (first_failure) std::rethrow_exception(first_failure);
+}
+
+void add_accuracy_options(CLI::App& app, ConvertCommand& command) {
+    auto* voxel_size = add_parsed(app, "--voxel-size", command.voxel_size_world, number_from,
+                                  "Edge of a voxel, in units of the mesh")
+                           ->type_name("H");
+    add_parsed(app, "--resolution", command.resolution, integer_from,
+               "Voxels along the longest side of the mesh (default 256)")
+        ->type_name("N")
+        ->excludes(voxel_size);
+    auto* band = add_parsed(app, "--band", command.band_voxels, number_from,
+                            "Half width of the band, in voxels (default 3)")
+                     ->type_name("B");
+    add_parsed(app, "--band-world", command.band_world, number_from,
+               "Half width of the band, in units of the mesh")
+        ->type_name("D")
+        ->excludes(band);
+}
+
+void add_method_options(CLI::App& app, ConvertCommand& command) {
+    add_parsed(app, "--sign", command.sign, sign_method_from_name,
+               "How inside is told from outside: auto, normal (closed meshes), winding, unsigned")
+        ->type_name("METHOD");
+    add_parsed(
+        app, "--method", command.method,
+        [](std::string_view text) {
+            return choice_from<Method>(
+                text,
+                {{"prism", Method::Prism}, {"csc", Method::Csc}, {"kdtree", Method::KdTree}});
+        },
+        "prism (default), csc (reference, one thread), kdtree (every sample of the box)")
+        ->type_name("METHOD");
+    add_parsed(
+        app, "--prism", command.prism,
+        [](std::string_view text) {
+            return choice_from<PrismKind>(
+                text, {{"exact", PrismKind::Exact}, {"printed", PrismKind::Printed}});
+        },
+        "exact (default), or printed as in the thesis, for comparison")
+        ->type_name("KIND");
+    add_parsed(
+        app, "--extend", command.extend,
+        [](std::string_view text) {
+            return choice_from<Extend>(text, {{"none", Extend::None},
+                                              {"full", Extend::Full},
+                                              {"exact", Extend::Exact}});
+        },
+        "Beyond the band: none (default), full by fast sweeping, exact by kD-tree")
+        ->type_name("HOW");
+    app.add_flag("--closest", command.closest,
+                 "Also store the vector to the closest point, and the number of its feature");
 }
 
 } // namespace
 
 Verb convert_verb(CLI::App& program) {
-    CLI::App* app = program.add_subcommand("convert", "Turn a mesh into a signed distance field");
+    CLI::App* app = program.add_subcommand("convert", "Turn meshes into signed distance fields");
     const auto command = std::make_shared<ConvertCommand>();
-    app->add_option("IN", command->input, "Mesh file (.obj .ply .stl .off) or mesh:NAME")
+    app->add_option("IN", command->inputs, "Mesh files (.obj .ply .stl .off) or mesh:NAME")
         ->required();
-    app->add_option("-o,--output", command->output, "Level set to write (.vdb)")
-        ->required()
+    app->add_option("-o,--output", command->output,
+                    "Field to write (.vdb; dense: .nrrd .mhd .vti)")
         ->type_name("FILE");
-    auto* voxel_size = add_parsed(*app, "--voxel-size", command->voxel_size_world, number_from,
-                                  "Edge of a voxel, in units of the mesh")
-                           ->type_name("H");
-    add_parsed(*app, "--resolution", command->resolution, integer_from,
-               "Voxels along the longest side of the mesh (default 256)")
-        ->type_name("N")
-        ->excludes(voxel_size);
-    auto* band = add_parsed(*app, "--band", command->band_voxels, number_from,
-                            "Half width of the band, in voxels (default 3)")
-                     ->type_name("B");
-    add_parsed(*app, "--band-world", command->band_world, number_from,
-               "Half width of the band, in units of the mesh")
-        ->type_name("D")
-        ->excludes(band);
-    add_parsed(*app, "--sign", command->sign, sign_method_from_name,
-               "How inside is told from outside: auto, normal (closed meshes), winding")
-        ->type_name("METHOD");
+    app->add_option("--out-dir", command->out_dir, "Folder for one .vdb for each input")
+        ->type_name("DIR");
+    add_accuracy_options(*app, *command);
+    add_method_options(*app, *command);
+    app->add_flag("--dry-run", command->dry_run,
+                  "Only say what it would take, in memory and in time");
+    add_parsed(*app, "--max-memory", command->memory_bytes, bytes_from,
+               "Refuse to take more, e.g. 8G or 500M")
+        ->type_name("SIZE");
     add_threads(*app, command->threads);
     app->add_flag("--json", command->json, "Report as JSON");
     app->footer("Example: isocast convert bunny.obj -o bunny.vdb --resolution 512");

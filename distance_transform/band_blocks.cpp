@@ -197,11 +197,14 @@ std::vector<BandBlock> blocks_of_tile(const Sites& sites, const Index3& tile, st
 } // namespace
 
 void refuse_memory(double bytes, double memory_bytes) {
-    constexpr double gibibyte = 0x1p30;
+    const auto text = [](double count) {
+        return count < 0x1p30 ? fmt::format("{:.3g} MiB", count / 0x1p20)
+                              : fmt::format("{:.3g} GiB", count / 0x1p30);
+    };
     throw ResourceError(fmt::format(
-        "the field would take at least {:.3g} GiB, and {:.3g} GiB of memory are available; use a "
-        "larger voxel size or a narrower band",
-        bytes / gibibyte, memory_bytes / gibibyte));
+        "the field would take at least {}, and {} of memory may be taken; use a larger voxel size "
+        "or a narrower band",
+        text(bytes), text(memory_bytes)));
 }
 
 double least_field_bytes(const Mesh& mesh, double half_width_voxels) {

@@ -61,7 +61,11 @@ void BlockTransform::find_closest(const Vec3d& origin, const ScanOutput& scanned
         const Vec3d p = origin + sample_of(i).cast<double>();
         closest.offset_world[i] =
             (voxel_size_ * (point_of(sites_, scanned.site[i], p) - p)).cast<float>();
-        closest.feature[i] = scanned.site[i];
+        const std::int32_t before_vertices = sites_.face_count + sites_.edge_count;
+        const std::int32_t site = scanned.site[i];
+        closest.feature[i] = site < before_vertices
+                                 ? site
+                                 : before_vertices + sites_.vertices[site - before_vertices].number;
     });
 }
 

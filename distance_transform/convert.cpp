@@ -194,6 +194,13 @@ ConvertResult convert(const CheckedMesh& input, const ConvertOptions& options,
     }
 
     SignChoice sign = chosen_sign(input.verdict, options.sign);
+    if (options.method != BandMethod::Scan) {
+        if (options.sign != SignMethod::Auto && options.sign != SignMethod::Normal)
+            throw InputError(fmt::format("the methods kept for comparison find signs by normals, "
+                                         "not '{}'",
+                                         name_of(options.sign)));
+        sign = {SignMethod::Normal, "the method has no other"};
+    }
     const bool is_closed = input.verdict.is_closed() && input.verdict.is_oriented();
     std::optional<WindingNumber> winding;
     if (sign.method == SignMethod::Winding) winding.emplace(lattice.mesh, is_closed);

@@ -74,6 +74,7 @@ struct EdgeSite {
 struct VertexSite {
     double origin[3];
     double normal[3]; // of the fan
+    std::int32_t number; // of the vertex
 };
 
 } // namespace isocast

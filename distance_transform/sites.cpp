@@ -336,6 +336,7 @@ private:
         VertexSite& vertex = sites_.vertices[fan];
         write(vertex.origin, p);
         write(vertex.normal, pseudonormal);
+        vertex.number = mesh_.triangles[corners[0] / 3][corners[0] % 3];
 
         const Vec3d n = pseudonormal.stableNormalized();
         double slope_above = 0;

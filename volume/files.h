@@ -6,6 +6,7 @@
 #include "volume/sparse_field.h"
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -42,14 +43,23 @@ std::unique_ptr<FieldSource> read_field(const std::filesystem::path& path,
 /// throws  InputError as read_field
 std::vector<GridDescription> describe_field_file(const std::filesystem::path& path);
 
+/// What else is known at each active sample of a field: by the number of the block in
+/// field.blocks(), and the sample in it. Either may be empty.
+struct ClosestGrids {
+    std::function<Eigen::Vector3f(std::size_t block, int sample)> offset_world;
+    std::function<std::int32_t(std::size_t block, int sample)> feature;
+};
+
 /// Writes `field` as an OpenVDB file with one float grid named "surface": GRID_LEVEL_SET for
 /// signed fields (GRID_UNKNOWN for others), background = half width [world], tiles of the inside
 /// set to -background, pruned. The file appears whole or not at all.
 ///
 /// metadata  string metadata to store beside (creator, source, sign method, …)
+/// closest   becomes the grids "closest" (vectors) and "feature" (integers)
 /// throws    InputError if the folder does not exist, ResourceError if the disk is full
 void write_vdb(const SparseField& field, const std::filesystem::path& path,
-               const std::map<std::string, std::string>& metadata = {});
+               const std::map<std::string, std::string>& metadata = {},
+               const ClosestGrids& closest = {});
 
 // Dense files: every sample of the field's extent, as float32, little endian, x fastest, cut from
 // the field slab by slab so that no dense copy is ever in memory.

@@ -1,9 +1,10 @@
-// OpenVDB files: the only source that sees OpenVDB.
+// OpenVDB files.
 // SPDX-License-Identifier: MPL-2.0
 #include "volume/vdb_file.h"
 
 #include "volume/atomic_file.h"
 #include "volume/errors.h"
+#include "volume/vdb_grid.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -107,7 +108,52 @@ void fill_inside(const SparseField& field, vdb::FloatTree& tree) {
     nodes.foreachBottomUp(prune);
 }
 
-vdb::FloatGrid::Ptr to_grid(const SparseField& field) {
+/// A grid over the active samples of `field`, with value(number of the block, sample).
+template<class Grid, class Value>
+typename Grid::Ptr grid_beside(const SparseField& field, const std::string& name,
+                               const Value& value) {
+    using Leaf = typename Grid::TreeType::LeafNodeType;
+    const auto grid = Grid::create();
+    grid->setName(name);
+    grid->setTransform(to_transform(field.space()));
+    const std::span<const FieldBlock> blocks = field.blocks();
+    std::vector<std::unique_ptr<Leaf>> leaves(blocks.size());
+    tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
+        auto leaf = std::make_unique<Leaf>(to_coord(block_size * blocks[i].coordinate));
+        for (vdb::Index offset = 0; offset < Leaf::SIZE; ++offset) {
+            const std::size_t place = place_of(offset);
+            if (blocks[i].active[place])
+                leaf->setValueOn(offset, value(i, static_cast<int>(place)));
+        }
+        leaves[i] = std::move(leaf);
+    });
+    for (std::unique_ptr<Leaf>& leaf : leaves) grid->tree().addLeaf(leaf.release());
+    return grid;
+}
+
+vdb::GridCPtrVec to_grids(const SparseField& field,
+                          const std::map<std::string, std::string>& metadata,
+                          const ClosestGrids& closest) {
+    const vdb::FloatGrid::Ptr surface = to_vdb_grid(field);
+    for (const auto& [key, text] : metadata) surface->insertMeta(key, vdb::StringMetadata(text));
+    vdb::GridCPtrVec grids = {surface};
+    if (closest.offset_world) {
+        const auto offsets = grid_beside<vdb::Vec3SGrid>(
+            field, "closest", [&](std::size_t block, int sample) {
+                const Eigen::Vector3f v = closest.offset_world(block, sample);
+                return vdb::Vec3s(v.x(), v.y(), v.z());
+            });
+        offsets->setVectorType(vdb::VEC_CONTRAVARIANT_RELATIVE);
+        grids.push_back(offsets);
+    }
+    if (closest.feature)
+        grids.push_back(grid_beside<vdb::Int32Grid>(field, "feature", closest.feature));
+    return grids;
+}
+
+} // namespace
+
+vdb::FloatGrid::Ptr to_vdb_grid(const SparseField& field) {
     using Leaf = vdb::FloatTree::LeafNodeType;
     const bool is_signed = field.outside() == Outside::SignedBackground;
     const auto grid = vdb::FloatGrid::create(static_cast<float>(field.background_world()));
@@ -130,6 +176,8 @@ vdb::FloatGrid::Ptr to_grid(const SparseField& field) {
     if (is_signed) fill_inside(field, grid->tree());
     return grid;
 }
+
+namespace {
 
 // ---------------------------------------------------------------------------------------- opening
 
@@ -449,22 +497,19 @@ std::vector<GridDescription> describe_vdb(const std::filesystem::path& path) {
 }
 
 void write_vdb(const SparseField& field, const std::filesystem::path& path,
-               const std::map<std::string, std::string>& metadata) {
+               const std::map<std::string, std::string>& metadata, const ClosestGrids& closest) {
     AtomicFile output(path);
     vdb::initialize();
     const auto fail = [&](const std::string& cause) {
         return fmt::format("cannot write {}: {}", path.string(), cause);
     };
     try {
-        const vdb::FloatGrid::Ptr grid = to_grid(field);
-        for (const auto& [key, value] : metadata) {
-            grid->insertMeta(key, vdb::StringMetadata(value));
-        }
+        const vdb::GridCPtrVec grids = to_grids(field, metadata, closest);
         std::ofstream file(output.temporary_path(), std::ios::binary | std::ios::trunc);
         file.exceptions(std::ios::failbit | std::ios::badbit);
         errno = 0;
         const VdbArchive archive;
-        archive.write(file, vdb::GridCPtrVec{grid}, /*seekable=*/true, vdb::MetaMap());
+        archive.write(file, grids, /*seekable=*/true, vdb::MetaMap());
         file.close();
     } catch (const std::ios_base::failure&) {
         throw ResourceError(fail(errno != 0 ? std::strerror(errno) : "the write failed"));

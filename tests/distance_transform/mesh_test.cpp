@@ -9,6 +9,7 @@
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 
+#include <random>
 #include <set>
 
 namespace isocast::test {
@@ -55,12 +56,31 @@ TEST(MeshCheck, OpenMeshCountsItsHoles) {
     EXPECT_FALSE(checked.verdict.is_closed());
 }
 
-TEST(MeshCheck, FlippedTriangleIsCounted) {
+TEST(MeshCheck, FlippedTriangleIsCountedAndTurned) {
     Mesh mesh = tetrahedron();
     std::swap(mesh.triangles[0][0], mesh.triangles[0][1]);
-    const MeshVerdict verdict = check(mesh).verdict;
-    EXPECT_EQ(verdict.flipped_edges, 3);
-    EXPECT_EQ(verdict.summary(), "closed, 3 flipped edges, manifold");
+    const CheckedMesh checked = check(mesh);
+    EXPECT_EQ(checked.verdict.flipped_edges, 3);
+    EXPECT_EQ(checked.verdict.turned_triangles, 1);
+    EXPECT_EQ(checked.verdict.summary(), "closed, 1 triangle turned, manifold");
+    EXPECT_EQ(check(checked.mesh).verdict.summary(), "closed, oriented, manifold");
+    EXPECT_DOUBLE_EQ(checked.verdict.volume_world, check(tetrahedron()).verdict.volume_world);
+}
+
+TEST(MeshCheck, ManyFlippedTrianglesAreTurnedAndTheWholeIfInsideOut) {
+    const Mesh sphere = sample_mesh("sphere6");
+    std::mt19937 random(3);
+    for (const unsigned percent : {10u, 45u, 90u}) {
+        Mesh mesh = sphere;
+        for (auto& triangle : mesh.triangles)
+            if (random() % 100 < percent) std::swap(triangle[0], triangle[1]);
+        const CheckedMesh checked = check(mesh);
+        EXPECT_TRUE(checked.verdict.is_oriented());
+        EXPECT_EQ(checked.verdict.reversed, percent == 90);
+        EXPECT_EQ(check(checked.mesh).verdict.flipped_edges, 0);
+        // Sums of the same terms in the same order.
+        EXPECT_NEAR(checked.verdict.volume_world, check(sphere).verdict.volume_world, 1e-12);
+    }
 }
 
 TEST(MeshCheck, SoupIsMergedByPositionAndMinusZeroIsZero) {

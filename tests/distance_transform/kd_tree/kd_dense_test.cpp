@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "../cgal_oracle.h"
 #include "distance_transform/brute_force.h"
+#include "distance_transform/checked_mesh.h"
 #include "distance_transform/kd_dense.h"
 #include "distance_transform/mesh_files.h"
 #include "distance_transform/sample_meshes.h"
@@ -70,7 +71,7 @@ void expect_agreement_with_cgal(const Mesh& mesh, int resolution) {
     const std::vector<double> expected =
         truth_in(lattice, options.box, [&](const Vec3d& p) { return oracle.signed_distance(p); });
     for (const SignOracle& sign :
-         {SignOracle(Pseudonormals(lattice.mesh)), SignOracle(WindingNumber(lattice.mesh))})
+         {SignOracle(Pseudonormals(lattice.mesh)), SignOracle(WindingNumber(lattice.mesh, true))})
         expect_exact(dense_distances(lattice, tree, sign, options).field, expected);
 }
 
@@ -131,7 +132,7 @@ TEST(KdDense, OpenMeshHasTheSignOfItsWindingNumber) {
     Mesh mesh = sample_mesh("torus");
     mesh.triangles.resize(mesh.triangles.size() * 9 / 10);
     const LatticeMesh lattice = on_lattice_at(mesh, 24);
-    const WindingNumber winding(lattice.mesh);
+    const WindingNumber winding(lattice.mesh, false);
     const KdDenseResult result =
         dense_distances(lattice, KdTree(lattice.mesh), winding,
                         {.box = box_around(lattice, 24), .is_closed_and_oriented = false});

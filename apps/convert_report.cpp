@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MPL-2.0
+#include "apps/convert_report.h"
+
+#include "apps/console.h"
+#include "apps/verdict_json.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+
+namespace isocast {
+
+namespace {
+
+/// What bench_convert measures on two cores of a virtual EPYC: 2 us a triangle, 0.07 us a sample.
+double expected_seconds(const ConvertReport& report, std::size_t threads) {
+    constexpr double seconds_per_triangle = 2e-6;
+    constexpr double seconds_per_sample = 7e-8;
+    return (seconds_per_triangle * report.verdict.triangles +
+            seconds_per_sample * report.expected->active_voxels) /
+           static_cast<double>(std::max<std::size_t>(threads, 1));
+}
+
+} // namespace
+
+void print(const ConvertReport& report, std::size_t threads) {
+    fmt::print("{}: {} triangles, {}\n", report.input, report.verdict.triangles,
+               report.verdict.summary());
+    if (report.expected) {
+        constexpr double mebibyte = 0x1p20;
+        fmt::print("about {:.3g} active voxels of {:.6g}, {:.4g} MiB of field, {:.4g} MiB at most, "
+                   "{:.2g} s on {} threads\n",
+                   report.expected->active_voxels, report.options.voxel_size_world,
+                   report.expected->field_bytes / mebibyte, report.expected->peak_bytes / mebibyte,
+                   expected_seconds(report, threads), threads);
+        return;
+    }
+    fmt::print("{}: {} active voxels of {:.6g} in {} x {} x {}, band of {:.4g} voxels on either "
+               "side, signs: {} ({})\n",
+               report.output.string(), report.active_voxels, report.options.voxel_size_world,
+               report.size.x(), report.size.y(), report.size.z(), report.options.half_width_voxels,
+               name_of(report.sign), report.sign_reason);
+    fmt::print("{:.2f} s: read {:.2f}, prepare {:.2f}, transform {:.2f}, write {:.2f}\n",
+               report.seconds.total, report.seconds.read, report.seconds.prepare,
+               report.seconds.transform, report.seconds.write);
+}
+
+nlohmann::ordered_json to_json(const ConvertReport& report, std::size_t threads) {
+    nlohmann::ordered_json json = {{"input", report.input},
+                                   {"output", report.output.string()},
+                                   {"triangles", report.verdict.triangles},
+                                   {"verdict", to_json(report.verdict)},
+                                   {"voxel_size", report.options.voxel_size_world},
+                                   {"half_width_voxels", report.options.half_width_voxels}};
+    if (report.expected) {
+        json["expected"] = {{"active_voxels", report.expected->active_voxels},
+                            {"field_bytes", report.expected->field_bytes},
+                            {"peak_bytes", report.expected->peak_bytes},
+                            {"seconds", expected_seconds(report, threads)}};
+    } else {
+        json["sign"] = name_of(report.sign);
+        json["sign_reason"] = report.sign_reason;
+        json["active_voxels"] = report.active_voxels;
+        json["seconds"] = {{"read", report.seconds.read},
+                           {"prepare", report.seconds.prepare},
+                           {"transform", report.seconds.transform},
+                           {"write", report.seconds.write},
+                           {"total", report.seconds.total}};
+        json["peak_bytes"] = peak_memory_bytes();
+    }
+    json["warnings"] = report.warnings;
+    return json;
+}
+
+} // namespace isocast

@@ -1,0 +1,42 @@
+// What a conversion reports, as text and as JSON.
+// SPDX-License-Identifier: MPL-2.0
+#pragma once
+
+#include "distance_transform/convert.h"
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <filesystem>
+
+namespace isocast {
+
+struct ConvertReport {
+    std::string input;
+    std::filesystem::path output;
+    MeshVerdict verdict;
+    ConvertOptions options;
+    SignMethod sign = SignMethod::Auto;
+    std::string sign_reason = {};
+    std::int64_t active_voxels = 0;
+    Index3 size = Index3::Zero();
+    struct {
+        double read = 0;
+        double prepare = 0;
+        double transform = 0;
+        double write = 0;
+        double total = 0;
+    } seconds = {};
+    std::optional<ConvertEstimate> expected = {}; // instead of a conversion
+    std::vector<std::string> warnings = {};
+
+    void take(SignMethod used, const std::string& reason, const std::vector<std::string>& more) {
+        sign = used;
+        sign_reason = reason;
+        warnings.insert(warnings.end(), more.begin(), more.end());
+    }
+};
+
+void print(const ConvertReport& report, std::size_t threads);
+nlohmann::ordered_json to_json(const ConvertReport& report, std::size_t threads);
+
+} // namespace isocast

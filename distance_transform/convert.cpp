@@ -247,17 +247,18 @@ ConvertResult convert(const CheckedMesh& input, const ConvertOptions& options,
 ConvertEstimate estimate(const CheckedMesh& input, const ConvertOptions& options) {
     require_usable(options);
     const double voxel = options.voxel_size_world;
-    // A plane patch of area A and normal n meets A |n|_1 / s^2 cubes of edge s, and a slab of
-    // thickness 2 w around it A 2 w / s^3 more.
-    const double edge = block_size * voxel;
+    // A slab of normal n and thickness 2 w over an area A meets, of cubes of edge s that stand e
+    // apart, A (s |n|_1 + 2 w) / e^3. The samples of a block span one voxel less than it.
+    const double span = (block_size - 1) * voxel;
+    const double volume = std::pow(block_size * voxel, 3);
     const double thickness = 2 * options.half_width_voxels * voxel;
     ConvertEstimate result;
     for (const auto& [a, b, c] : input.mesh.triangles) {
         const Vec3d& p = input.mesh.vertices_world[a];
         const Vec3d area_normal =
             (input.mesh.vertices_world[b] - p).cross(input.mesh.vertices_world[c] - p) / 2;
-        result.blocks += area_normal.cwiseAbs().sum() / (edge * edge) +
-                         area_normal.norm() * thickness / (edge * edge * edge);
+        result.blocks +=
+            (span * area_normal.cwiseAbs().sum() + thickness * area_normal.norm()) / volume;
         result.active_voxels += area_normal.norm() * thickness / (voxel * voxel * voxel);
     }
     const auto triangles = static_cast<double>(input.mesh.triangles.size());

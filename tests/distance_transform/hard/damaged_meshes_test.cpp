@@ -162,7 +162,7 @@ TEST(HardMeshes, VerticesOnSamplesAndCoplanarNeighboursAreExact) {
                      [&](const Vec3d& p) {
                          return (p - middle).cwiseAbs().maxCoeff() < 8 ? 1.0 : 0.0;
                      }},
-                box);
+                box, half_width);
             // All is exact: no rounding.
             expect_no_faults(faults_of(field, known, half_width, false, 0));
         }

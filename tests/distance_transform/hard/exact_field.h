@@ -100,11 +100,30 @@ inline std::vector<std::size_t> spokesmen(const KnownField& known) {
     return result;
 }
 
-inline KnownField known_field(const Truth& truth, const IndexBox& box) {
+/// half_width  [voxels] of the widest band to be compared: farther off, distances are lower bounds
+inline KnownField known_field(const Truth& truth, const IndexBox& box, double half_width) {
     const auto count = static_cast<std::size_t>(box.sample_count());
     KnownField known = {box, std::vector<double>(count), std::vector<char>(count, '?')};
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-        known.distances[i] = truth.distance(known.position(i));
+    // By cells of 8^3 samples. From the middle of a cell no sample of it is farther than 6.1, and
+    // the distance changes by no more than that.
+    const IndexBox cells = {Index3::Zero(), floor_div(Index3(box.size().array() + 7), 8)};
+    const Index3 n = cells.size();
+    tbb::parallel_for(std::int64_t{0}, cells.sample_count(), [&](std::int64_t c) {
+        const Index3 first =
+            8 * Index3(int(c % n.x()), int(c / n.x() % n.y()), int(c / n.x() / n.y()));
+        const Vec3d middle = first.cast<double>().array() + 3.5;
+        const double from_middle = truth.distance(middle);
+        const bool is_far = from_middle > half_width + 6.1;
+        const IndexBox cell =
+            intersection({box.lo + first, Index3((box.lo + first).array() + 8)}, box);
+        for (std::int64_t s = 0; s < cell.sample_count(); ++s) {
+            const Index3 m = cell.size();
+            const Index3 at =
+                cell.lo + Index3(int(s % m.x()), int(s / m.x() % m.y()), int(s / m.x() / m.y()));
+            const std::size_t i = known.place(at);
+            const Vec3d p = known.position(i);
+            known.distances[i] = is_far ? from_middle - (p - middle).norm() : truth.distance(p);
+        }
     });
     if (truth.sides == Sides::None) return known;
     const bool is_closed = truth.sides == Sides::Closed;
@@ -214,7 +233,7 @@ inline KnownField brute_force_field(const Mesh& surface, const Mesh& solid, Side
         {.distance = [&](const Vec3d& p) { return brute_force_distance(near, p); },
          .winding = [&](const Vec3d& p) { return brute_force_winding_number(near_solid, p); },
          .sides = sides},
-        box);
+        box, half_width);
 }
 
 /// Converts with `--sign auto` at two band widths and expects exactness of both. Returns the result

@@ -58,7 +58,7 @@ TEST(HardMeshes, FanOfHundredThousandTrianglesIsExact) {
                                  }
                                  return is_inside ? 1.0 : 0.0;
                              }},
-                        around);
+                        around, half_width);
         expect_no_faults(faults_of(field, known, half_width));
     }
 }

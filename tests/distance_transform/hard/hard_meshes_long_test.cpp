@@ -45,7 +45,10 @@ TEST_P(AllMeshes, AreExactOrHaveAStatedVerdict) {
     const IndexBox box = box_about(mesh.mesh, result.field.space(), 3);
     const SoupOracle oracle(in_voxels(mesh.mesh, result.field.space(), box.lo));
     const KnownField known =
-        known_field({.distance = [&](const Vec3d& p) { return oracle.distance(p); },
+        known_field({.distance_near =
+                         [&](const Vec3d&, double) {
+                             return [&](const Vec3d& p) { return oracle.distance(p); };
+                         },
                      .winding = [&](const Vec3d& p) { return double(oracle.winding_number(p)); },
                      .sides = is_closed ? Sides::Closed : Sides::None},
                     box, 3);

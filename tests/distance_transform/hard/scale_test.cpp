@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "exact_field.h"
 #include "shapes.h"
+#include "volume/errors.h"
 
 namespace isocast::test {
 namespace {
@@ -24,6 +25,15 @@ TEST(HardMeshes, TinyAndHugeMeshesAreExact) {
         const ConvertResult result =
             expect_exact_conversion(scaled(noisy_sphere(31, 2), scale), 0.11 * scale);
         EXPECT_EQ(result.sign_used, SignMethod::Normal);
+    }
+}
+
+// Found by mutation of mesh files: coordinates of 1e303 gave a field of infinities.
+TEST(HardMeshes, BandsThatFloat32CannotHoldAreRefused) {
+    for (const double scale : {1e-50, 1e40, 1e300}) {
+        SCOPED_TRACE(scale);
+        const CheckedMesh mesh = check(scaled(tetrahedron(), scale));
+        EXPECT_THROW(convert(mesh, {.voxel_size_world = 0.1 * scale}), InputError);
     }
 }
 

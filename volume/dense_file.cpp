@@ -82,8 +82,7 @@ void DenseFile::write(std::string_view text) {
 }
 
 void DenseFile::write_samples(const FieldSource& field, const Progress& progress) {
-    // Slabs of whole rows and, where a layer is small enough, of whole layers: 2^23 samples, 64
-    // MiB.
+    // Slabs of whole rows and, where they are small enough, of whole layers: 2^23 samples, 32 MiB.
     constexpr std::int64_t slab_samples = std::int64_t{1} << 23;
     // Sparse fields store blocks of 8: parts that deep meet each block once.
     constexpr int part_depth = 8;

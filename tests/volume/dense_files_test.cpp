@@ -6,8 +6,9 @@
 #include "volume/files.h"
 
 #include <gmock/gmock.h>
+#include <sys/resource.h>
 
-#include <bit>
+#include <csignal>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -260,6 +261,28 @@ TEST(DenseFiles, MoreThanTheDiskHoldsIsRefusedBeforeAnythingIsWritten) {
                     write_dense(dense_in(GridSpace::uniform(1), 8), folder / "missing/a.vti");
                 }),
                 HasSubstr("does not exist"));
+}
+
+// A limit on the size of files stands for a disk that fills up: while samples are written, or,
+// where all fit in the stream's buffer, when it is closed.
+TEST(DenseFiles, WritingThatFailsIsAResourceErrorAndLeavesNothing) {
+    const TemporaryFolder folder;
+    rlimit limit{};
+    ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &limit), 0);
+    const rlimit small = {.rlim_cur = 1000, .rlim_max = limit.rlim_max};
+    const auto old_handler = std::signal(SIGXFSZ, SIG_IGN); // then write() returns EFBIG
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+    for (const int size : {8, 64})
+        for (const std::string name : {"a.nrrd", "a.mhd", "a.vti"}) {
+            const IndexBox box{Index3::Zero(), Index3::Constant(size)};
+            const DenseField field(GridSpace::uniform(1), box,
+                                   std::vector<float>(std::size_t(box.sample_count())));
+            EXPECT_THAT(message_of<ResourceError>([&] { write_dense(field, folder / name); }),
+                        HasSubstr("File too large"));
+        }
+    EXPECT_EQ(::setrlimit(RLIMIT_FSIZE, &limit), 0);
+    std::signal(SIGXFSZ, old_handler);
+    EXPECT_EQ(folder.entry_count(), 0);
 }
 
 // Debian's package teem-apps calls the program teem-unu.

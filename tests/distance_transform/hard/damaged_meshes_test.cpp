@@ -130,7 +130,7 @@ TEST(HardMeshes, HoleOfATwelfthHasExactDistancesAndTheWindingNumbersSigns) {
                mesh.vertices_world[triangle[2]].z();
     });
     mesh.triangles.resize(whole - whole * 8 / 100);
-    const ConvertResult result = expect_exact_conversion(mesh, 0.11, mesh, Sides::Open);
+    const ConvertResult result = expect_exact_conversion(mesh, 0.15, mesh, Sides::Open);
     EXPECT_EQ(result.sign_used, SignMethod::Winding);
 }
 
@@ -157,12 +157,15 @@ TEST(HardMeshes, VerticesOnSamplesAndCoplanarNeighboursAreExact) {
             const IndexBox box = box_about(mesh, field.space(), half_width);
             const Vec3d middle = -box.lo.cast<double>();
             const KnownField known = known_field(
-                {.distance = [&](const Vec3d& p) { return distance_to_cube(p - middle, 8); },
+                {.distance_near =
+                     [&](const Vec3d&, double) {
+                         return [&](const Vec3d& p) { return distance_to_cube(p - middle, 8); };
+                     },
                  .winding =
                      [&](const Vec3d& p) {
                          return (p - middle).cwiseAbs().maxCoeff() < 8 ? 1.0 : 0.0;
                      }},
-                box);
+                box, half_width);
             // All is exact: no rounding.
             expect_no_faults(faults_of(field, known, half_width, false, 0));
         }

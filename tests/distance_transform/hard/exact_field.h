@@ -27,9 +27,13 @@ enum class Sides {
     None,
 };
 
+/// Unsigned distance at a point in voxels from some lattice point.
+using Distance = std::function<double(const Vec3d& p_voxels)>;
+
 /// Truths about a surface, asked for at points in voxels from some lattice point.
 struct Truth {
-    std::function<double(const Vec3d& p_voxels)> distance; // unsigned
+    /// A distance that need be right only within `reach` of `middle`.
+    std::function<Distance(const Vec3d& middle, double reach)> distance_near;
     std::function<double(const Vec3d& p_voxels)> winding;
     Sides sides = Sides::Closed;
 };
@@ -100,11 +104,32 @@ inline std::vector<std::size_t> spokesmen(const KnownField& known) {
     return result;
 }
 
-inline KnownField known_field(const Truth& truth, const IndexBox& box) {
+/// half_width  [voxels] of the widest band to be compared: farther off, distances are lower bounds
+inline KnownField known_field(const Truth& truth, const IndexBox& box, double half_width) {
     const auto count = static_cast<std::size_t>(box.sample_count());
     KnownField known = {box, std::vector<double>(count), std::vector<char>(count, '?')};
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-        known.distances[i] = truth.distance(known.position(i));
+    // By cells of 4^3 samples: none is farther than 2.6 from the middle of its cell, and the
+    // distance changes by no more than that.
+    constexpr int edge = 4;
+    constexpr double reach = 2.6;
+    const IndexBox cells = {Index3::Zero(), floor_div(Index3(box.size().array() + edge - 1), edge)};
+    const Index3 n = cells.size();
+    tbb::parallel_for(std::int64_t{0}, cells.sample_count(), [&](std::int64_t c) {
+        const Index3 first =
+            edge * Index3(int(c % n.x()), int(c / n.x() % n.y()), int(c / n.x() / n.y()));
+        const Vec3d middle = first.cast<double>().array() + (edge - 1) / 2.0;
+        const Distance distance = truth.distance_near(middle, reach);
+        const double from_middle = distance(middle);
+        const bool is_far = from_middle > half_width + reach;
+        const Index3 lo = box.lo + first;
+        const IndexBox cell = intersection({lo, Index3(lo.array() + edge)}, box);
+        for (int z = cell.lo.z(); z < cell.hi.z(); ++z)
+            for (int y = cell.lo.y(); y < cell.hi.y(); ++y)
+                for (int x = cell.lo.x(); x < cell.hi.x(); ++x) {
+                    const std::size_t i = known.place({x, y, z});
+                    const Vec3d p = known.position(i);
+                    known.distances[i] = is_far ? from_middle - (p - middle).norm() : distance(p);
+                }
     });
     if (truth.sides == Sides::None) return known;
     const bool is_closed = truth.sides == Sides::Closed;
@@ -203,6 +228,24 @@ inline IndexBox box_about(const Mesh& surface, const GridSpace& space, double ha
             bounds.max.array().ceil().cast<int>() + reach + 1};
 }
 
+/// Brute force, over the triangles that can be closest to a point within `reach` of `middle`: those
+/// that are farther from it than the closest one by more than twice the reach cannot.
+inline Distance brute_force_near(const Mesh& mesh, const Vec3d& middle, double reach) {
+    std::vector<double> distances(mesh.triangles.size());
+    Mesh one{{Vec3d::Zero(), Vec3d::Zero(), Vec3d::Zero()}, {{0, 1, 2}}};
+    for (std::size_t t = 0; t < distances.size(); ++t) {
+        for (int k = 0; k < 3; ++k)
+            one.vertices_world[k] = mesh.vertices_world[mesh.triangles[t][k]];
+        distances[t] = brute_force_distance(one, middle);
+    }
+    const double least = *std::ranges::min_element(distances);
+    Mesh few{mesh.vertices_world, {}};
+    for (std::size_t t = 0; t < distances.size(); ++t)
+        // 1e-6: rounding.
+        if (distances[t] <= least + 2 * reach + 1e-6) few.triangles.push_back(mesh.triangles[t]);
+    return [few = std::move(few)](const Vec3d& p) { return brute_force_distance(few, p); };
+}
+
 /// By brute force: distances to every triangle of `surface`; sides by the winding number of
 /// `solid`, which is the same surface without what must not count (repeats, flips).
 inline KnownField brute_force_field(const Mesh& surface, const Mesh& solid, Sides sides,
@@ -211,10 +254,11 @@ inline KnownField brute_force_field(const Mesh& surface, const Mesh& solid, Side
     const Mesh near = in_voxels(surface, space, box.lo);
     const Mesh near_solid = in_voxels(solid, space, box.lo);
     return known_field(
-        {.distance = [&](const Vec3d& p) { return brute_force_distance(near, p); },
+        {.distance_near = [&](const Vec3d& middle,
+                              double reach) { return brute_force_near(near, middle, reach); },
          .winding = [&](const Vec3d& p) { return brute_force_winding_number(near_solid, p); },
          .sides = sides},
-        box);
+        box, half_width);
 }
 
 /// Converts with `--sign auto` at two band widths and expects exactness of both. Returns the result

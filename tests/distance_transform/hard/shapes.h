@@ -56,17 +56,6 @@ inline Mesh tilted(const Mesh& mesh) {
     return mapped(mesh, [&](const Vec3d& p) { return Vec3d(rotation * p); });
 }
 
-/// Each vertex moved by up to `reach` along each axis.
-inline Mesh shaken(const Mesh& mesh, double reach, unsigned seed) {
-    std::mt19937 random(seed);
-    std::uniform_real_distribution<double> shake(-reach, reach);
-    return mapped(mesh, [&](const Vec3d& p) {
-        const double x = shake(random);
-        const double y = shake(random);
-        return Vec3d(p + Vec3d(x, y, shake(random)));
-    });
-}
-
 /// The corners (±1, 0, 0), (0, ±1, 0), (0, 0, ±1).
 inline Mesh octahedron() {
     return {

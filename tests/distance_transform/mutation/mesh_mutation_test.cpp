@@ -1,5 +1,6 @@
 // Damaged mesh files: whatever the bytes, a valid mesh or an InputError, soon.
 // SPDX-License-Identifier: MPL-2.0
+#include "distance_transform/convert.h"
 #include "distance_transform/mesh_files.h"
 #include "distance_transform/mesh_parsers.h"
 #include "volume/errors.h"
@@ -221,6 +222,35 @@ TEST(MeshMutation, DamagedFilesAreMeshesOrInputErrors) {
         EXPECT_GT(taken[i], tried[i] / 100) << all[i].bytes;
         EXPECT_LT(taken[i], tried[i] * 9 / 10) << all[i].bytes;
     }
+}
+
+// Coordinates of any size, in any order: what the parsers take is examined and converted, or
+// refused.
+TEST(MeshMutation, WhatIsTakenConvertsOrIsRefused) {
+    const std::vector<Seed> all = seeds();
+    const std::uint32_t first = from_environment("ISOCAST_MUTATION_FIRST", 0);
+    const std::uint32_t count = from_environment("ISOCAST_MUTATION_COUNT", 3000);
+    std::uint32_t converted = 0;
+    for (std::uint32_t number = first; number < first + count; ++number) {
+        SCOPED_TRACE(number);
+        std::mt19937 random(number);
+        const Seed& seed = all[random() % all.size()];
+        try {
+            const CheckedMesh mesh = check(seed.parse(mutated(seed.bytes, all, random), "m"));
+            const SparseField field =
+                convert(mesh,
+                        {.voxel_size_world = voxel_size_for_resolution(bounding_box(mesh.mesh), 8)})
+                    .field;
+            EXPECT_GT(field.active_voxel_count(), 0);
+            for (const FieldBlock& block : field.blocks())
+                for (const float value : block.values) ASSERT_TRUE(std::isfinite(value));
+            ++converted;
+        } catch (const InputError&) {
+        } catch (const ResourceError&) {
+        }
+        if (HasFailure()) return;
+    }
+    EXPECT_GT(converted, count / 10);
 }
 
 } // namespace

@@ -58,6 +58,12 @@ void require_usable(const ConvertOptions& options) {
             fmt::format("voxel size {} is not a positive number", options.voxel_size_world));
     if (!(options.half_width_voxels >= 1) || !std::isfinite(options.half_width_voxels))
         throw InputError(fmt::format("half width {} is below 1 voxel", options.half_width_voxels));
+    const double half_width_world = options.half_width_voxels * options.voxel_size_world;
+    if (!(half_width_world >= std::numeric_limits<float>::min() &&
+          half_width_world <= std::numeric_limits<float>::max()))
+        throw InputError(fmt::format("a half width of {:.3g} is beyond what 32-bit floats hold; "
+                                     "scale the mesh",
+                                     half_width_world));
     if (options.closest && options.method != BandMethod::Scan)
         throw InputError("only scan conversion finds closest points");
 }

@@ -81,7 +81,7 @@ public:
     std::int64_t run(ScanOutput& output) {
         const SiteArrays& sites = *input_.sites;
         for (int i = 0; i < input_.count; ++i) {
-            if (i + 3 < input_.count) prefetch_site(input_.list[i + 3]);
+            if (i + 6 < input_.count) prefetch_site(input_.list[i + 6]);
             const std::int32_t site = input_.list[i];
             const SiteRegion& region = sites.regions[site];
             if (site < sites.face_count)

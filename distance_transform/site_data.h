@@ -18,7 +18,7 @@ namespace isocast {
 ///     low <= height <= high, |offset| <= lateral + lateral_slope * |height|
 ///
 /// In float: the bound is widened by what that rounds.
-struct SiteRegion {
+struct alignas(64) SiteRegion {
     float base_min[3]; // box of the triangle, segment or point
     float base_max[3];
     float direction[3]; // unit, and positive along `axis`
@@ -26,6 +26,9 @@ struct SiteRegion {
     float high;
     float lateral;
     float lateral_slope;
+    std::int32_t axis; // of the greatest component of `direction`
+    std::int32_t strip_count;
+    // So far a line of the processor's caches.
     float lateral_factor[3]; // how much of the offset can lie along each axis
     /// Two parallel planes along `axis` between which the region's projection lies:
     /// low <= across[0] * x_u + across[1] * x_v <= high for the base, u and v the axes after `axis`.
@@ -37,8 +40,6 @@ struct SiteRegion {
         float factor; // how much of the offset adds
     };
     Strip strips[4];
-    std::int32_t strip_count;
-    std::int32_t axis; // of the greatest component of `direction`
 };
 
 /// A face: the orthonormal frame of the thesis's figure 4.9. r runs along the longest side, s to the

@@ -117,9 +117,10 @@ std::vector<std::string> output_extensions() {
 
 ConvertOptions options_for(const ConvertCommand& command, const CheckedMesh& mesh) {
     ConvertOptions options{.sign = command.sign,
-                           .method = command.method == Method::Csc       ? BandMethod::Csc
-                                     : command.prism == PrismKind::Exact ? BandMethod::Scan
-                                                                         : BandMethod::PrintedPrisms,
+                           .method = command.method == Method::Csc ? BandMethod::Csc
+                                     : command.prism == PrismKind::Exact
+                                         ? BandMethod::Scan
+                                         : BandMethod::PrintedPrisms,
                            .closest = command.closest,
                            .memory_bytes = command.memory_bytes};
     options.voxel_size_world =
@@ -163,8 +164,8 @@ void write_band(const ConvertResult& result, const ConvertReport& report,
     write_vdb(result.field, report.output, metadata_of(report), closest);
 }
 
-void convert_to_full(const ConvertCommand& command, const CheckedMesh& mesh,
-                     ConvertReport& report, const Progress& progress) {
+void convert_to_full(const ConvertCommand& command, const CheckedMesh& mesh, ConvertReport& report,
+                     const Progress& progress) {
     Stopwatch step;
     if (command.is_dense()) {
         DenseConvertResult result = convert_dense(mesh, report.options, progress);
@@ -180,8 +181,7 @@ void convert_to_full(const ConvertCommand& command, const CheckedMesh& mesh,
         report.seconds.prepare = result.time.prepare_seconds;
         report.seconds.transform = result.time.transform_seconds;
         progress("extending", 0);
-        const DenseField full =
-            extend_by_sweeping(result.field, dense_box(mesh, report.options));
+        const DenseField full = extend_by_sweeping(result.field, dense_box(mesh, report.options));
         report.active_voxels = full.extent().sample_count();
         report.size = full.extent().size();
         report.seconds.transform = step.lap() - report.seconds.prepare;
@@ -292,8 +292,7 @@ void add_method_options(CLI::App& app, ConvertCommand& command) {
         app, "--method", command.method,
         [](std::string_view text) {
             return choice_from<Method>(
-                text,
-                {{"prism", Method::Prism}, {"csc", Method::Csc}, {"kdtree", Method::KdTree}});
+                text, {{"prism", Method::Prism}, {"csc", Method::Csc}, {"kdtree", Method::KdTree}});
         },
         "prism (default), csc (reference, one thread), kdtree (every sample of the box)")
         ->type_name("METHOD");
@@ -308,9 +307,8 @@ void add_method_options(CLI::App& app, ConvertCommand& command) {
     add_parsed(
         app, "--extend", command.extend,
         [](std::string_view text) {
-            return choice_from<Extend>(text, {{"none", Extend::None},
-                                              {"full", Extend::Full},
-                                              {"exact", Extend::Exact}});
+            return choice_from<Extend>(
+                text, {{"none", Extend::None}, {"full", Extend::Full}, {"exact", Extend::Exact}});
         },
         "Beyond the band: none (default), full by fast sweeping, exact by kD-tree")
         ->type_name("HOW");
@@ -325,8 +323,7 @@ Verb convert_verb(CLI::App& program) {
     const auto command = std::make_shared<ConvertCommand>();
     app->add_option("IN", command->inputs, "Mesh files (.obj .ply .stl .off) or mesh:NAME")
         ->required();
-    app->add_option("-o,--output", command->output,
-                    "Field to write (.vdb; dense: .nrrd .mhd .vti)")
+    app->add_option("-o,--output", command->output, "Field to write (.vdb; dense: .nrrd .mhd .vti)")
         ->type_name("FILE");
     app->add_option("--out-dir", command->out_dir, "Folder for one .vdb for each input")
         ->type_name("DIR");

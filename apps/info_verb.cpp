@@ -5,6 +5,7 @@
 #include "apps/inputs.h"
 #include "apps/parsed_option.h"
 #include "apps/verdict_json.h"
+#include "distance_transform/prism.h"
 #include "volume/errors.h"
 #include "volume/files.h"
 
@@ -20,6 +21,7 @@ using Json = nlohmann::ordered_json;
 
 struct InfoCommand {
     std::string input;
+    bool prisms = false;
     bool json = false;
 };
 
@@ -44,20 +46,30 @@ void describe_mesh(const InfoCommand& command, const CheckedMesh& checked, Conso
     const WorldBox box = bounding_box(checked.mesh);
     for (const std::string& warning : checked.warnings)
         console.warn(fmt::format("{}: {}", command.input, warning));
+    std::optional<CoveringCounts> covering;
+    if (command.prisms) covering = Prisms(checked.mesh, 1, Gaps::Leave).counts();
     if (command.json) {
-        print_json({{"input", command.input},
-                    {"kind", "mesh"},
-                    {"vertices", verdict.vertices},
-                    {"triangles", verdict.triangles},
-                    {"box", {{"min", to_json(box.min)}, {"max", to_json(box.max)}}},
-                    {"verdict", to_json(verdict)},
-                    {"warnings", checked.warnings}});
+        Json json = {{"input", command.input},
+                     {"kind", "mesh"},
+                     {"vertices", verdict.vertices},
+                     {"triangles", verdict.triangles},
+                     {"box", {{"min", to_json(box.min)}, {"max", to_json(box.max)}}},
+                     {"verdict", to_json(verdict)},
+                     {"warnings", checked.warnings}};
+        if (covering)
+            json["prisms"] = {{"vertices", covering->vertices},
+                              {"saddles", covering->saddles},
+                              {"gaps", covering->gaps}};
+        print_json(json);
         return;
     }
     fmt::print("{}: mesh of {} vertices, {} triangles: {}\n", command.input, verdict.vertices,
                verdict.triangles, verdict.summary());
     fmt::print("  box {} ... {}\n", text(box.min), text(box.max));
     fmt::print("  {} shells, volume {:.6g}\n", verdict.shells, verdict.volume_world);
+    if (covering)
+        fmt::print("  printed prisms: {} vertices, {} saddles, {} with a gap\n", covering->vertices,
+                   covering->saddles, covering->gaps);
 }
 
 void describe_field(const InfoCommand& command, const FieldSource& field) {
@@ -138,6 +150,8 @@ Verb info_verb(CLI::App& program) {
                     "Mesh (.obj .ply .stl .off, mesh:NAME) or field (.vdb, FILE.vdb:GRID, "
                     "field:NAME@N)")
         ->required();
+    app->add_flag("--prisms", command->prisms,
+                  "Of a mesh: count saddle vertices, and gaps between printed prisms (table 4.1)");
     app->add_flag("--json", command->json, "Report as JSON");
     app->footer("Example: isocast info bunny.vdb");
     return {app, [command](Console& console) { run(*command, console); }};

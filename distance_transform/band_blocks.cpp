@@ -60,8 +60,7 @@ public:
         for (int k = 0; k < 3; ++k)
             extent = std::max(extent, double{region.base_max[k]} - region.base_min[k]);
         if (extent <= cell_size_) return true;
-        const Vec3d centre =
-            cell_size_ * cell.cast<double>() + Vec3d::Constant(half_extent_);
+        const Vec3d centre = cell_size_ * cell.cast<double>() + Vec3d::Constant(half_extent_);
         if (site < sites_.face_count) {
             const FaceSite& face = sites_.faces[site];
             const Eigen::Map<const Vec3d> normal(face.t);

@@ -43,9 +43,9 @@ std::int64_t BlockTransform::run(FieldBlock& block, std::span<const std::int32_t
     const SampleBits active = bits_of_rows(scanned.active);
     SampleBits negative;
     if (signs_.is_signed) {
-        negative = signs_.winding ? winding_signs(block.values, active, voxel_size_,
-                                                  *signs_.winding, origin)
-                                  : bits_of_rows(scanned.negative);
+        negative = signs_.winding
+                       ? winding_signs(block.values, active, voxel_size_, *signs_.winding, origin)
+                       : bits_of_rows(scanned.negative);
         spread(active, negative);
     }
     apply_signs(block, active, negative, static_cast<float>(voxel_size_ * half_width_));

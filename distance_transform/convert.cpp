@@ -149,12 +149,11 @@ Band scan_band(const LatticeMesh& lattice, const MeshTopology& topology,
 
 Band reference_band(const LatticeMesh& lattice, const ConvertOptions& options, double memory_bytes,
                     const Progress& progress) {
-    ReferenceBand band =
-        options.method == BandMethod::Csc
-            ? characteristics_scan_conversion(lattice, options.half_width_voxels, memory_bytes,
-                                              progress)
-            : scan_convert_prisms(lattice, options.half_width_voxels, Gaps::Close, memory_bytes,
-                                  progress);
+    ReferenceBand band = options.method == BandMethod::Csc
+                             ? characteristics_scan_conversion(lattice, options.half_width_voxels,
+                                                               memory_bytes, progress)
+                             : scan_convert_prisms(lattice, options.half_width_voxels, Gaps::Close,
+                                                   memory_bytes, progress);
     return {std::move(band.blocks), {}, 0, band.distance_evaluations};
 }
 
@@ -212,10 +211,9 @@ ConvertResult convert(const CheckedMesh& input, const ConvertOptions& options,
     if (sign.method == SignMethod::Winding) winding.emplace(lattice.mesh, is_closed);
     const BlockSigns block_signs{.is_signed = sign.method != SignMethod::Unsigned,
                                  .winding = winding ? &*winding : nullptr};
-    Band band =
-        options.method == BandMethod::Scan
-            ? scan_band(lattice, input.topology, options, memory, block_signs, progress)
-            : reference_band(lattice, options, memory, progress);
+    Band band = options.method == BandMethod::Scan
+                    ? scan_band(lattice, input.topology, options, memory, block_signs, progress)
+                    : reference_band(lattice, options, memory, progress);
 
     if (options.sign == SignMethod::Auto && sign.method == SignMethod::Normal &&
         !signs_are_consistent(band.blocks, options.voxel_size_world)) {
@@ -236,8 +234,8 @@ ConvertResult convert(const CheckedMesh& input, const ConvertOptions& options,
                              "the signs reach beyond the band");
     }
     for (FieldBlock& block : band.blocks) block.coordinate += lattice.anchor / block_size;
-    const Outside outside = sign.method == SignMethod::Unsigned ? Outside::Background
-                                                                : Outside::SignedBackground;
+    const Outside outside =
+        sign.method == SignMethod::Unsigned ? Outside::Background : Outside::SignedBackground;
     return {
         .field = SparseField(lattice.space, background, outside, std::move(band.blocks)),
         .sign_used = sign.method,

@@ -77,7 +77,8 @@ double voxel_size_for_resolution(const WorldBox& box, int resolution);
 /// returns   blocks that hold the whole band, and only blocks that hold a part of it (and, for open
 ///           meshes, the blocks where the winding number changes sign outside the band)
 /// accuracy  exact distances in double, rounded once to float
-/// throws    InputError for unusable options or a mesh that the method cannot take, ResourceError if
+/// throws    InputError for unusable options or a mesh that the method cannot take, ResourceError
+/// if
 ///           the blocks would not fit in memory
 ConvertResult convert(const CheckedMesh& input, const ConvertOptions& options,
                       const Progress& progress = {});

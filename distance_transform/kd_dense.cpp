@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/kd_dense.h"
 
-#include "distance_transform/progress_meter.h"
 #include "distance_transform/prepared_triangle.h"
+#include "distance_transform/progress_meter.h"
 #include "volume/errors.h"
 
 #include <fmt/format.h>

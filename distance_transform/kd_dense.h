@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
-#include "distance_transform/sign.h"
 #include "distance_transform/kd_tree.h"
 #include "distance_transform/lattice.h"
+#include "distance_transform/sign.h"
 #include "volume/dense_field.h"
 #include "volume/progress.h"
 

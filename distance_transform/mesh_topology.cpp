@@ -56,9 +56,9 @@ MeshTopology topology_of(const Mesh& mesh) {
     const auto ends = [&](std::uint32_t h) {
         return std::minmax({halfedge_from(mesh, h), halfedge_to(mesh, h)});
     };
-    const Buckets by_least = buckets_of(
-        corner_count, mesh.vertices_world.size(),
-        [&](std::size_t h) { return ends(static_cast<std::uint32_t>(h)).first; });
+    const Buckets by_least =
+        buckets_of(corner_count, mesh.vertices_world.size(),
+                   [&](std::size_t h) { return ends(static_cast<std::uint32_t>(h)).first; });
     std::vector<EdgeUse> uses(corner_count);
     tbb::parallel_for(std::size_t{0}, mesh.vertices_world.size(), [&](std::size_t vertex) {
         for (std::uint32_t i = by_least.begin[vertex]; i < by_least.begin[vertex + 1]; ++i)

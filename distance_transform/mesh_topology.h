@@ -38,7 +38,8 @@ inline int halfedge_to(const Mesh& mesh, std::uint32_t halfedge) {
     return mesh.triangles[halfedge / 3][(halfedge % 3 + 1) % 3];
 }
 
-/// The numbers 0 … count - 1 by key, each bucket's in ascending order: one pass to count, one to fill.
+/// The numbers 0 … count - 1 by key, each bucket's in ascending order: one pass to count, one to
+/// fill.
 struct Buckets {
     std::vector<std::uint32_t> order;
     /// Bucket k is order[begin[k]] … order[begin[k + 1] - 1].

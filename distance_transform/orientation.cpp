@@ -22,7 +22,7 @@ std::vector<std::array<Neighbour, 3>> neighbours_of(const Mesh& mesh,
             halfedge_from(mesh, halfedges[0]) == halfedge_from(mesh, halfedges[1]);
         for (int side = 0; side < 2; ++side)
             neighbours[halfedges[side] / 3][halfedges[side] % 3] = {halfedges[1 - side] / 3, true,
-                                                                   disagrees};
+                                                                    disagrees};
     }
     return neighbours;
 }
@@ -45,7 +45,7 @@ Orientation orientation_of(const Mesh& mesh, const MeshTopology& topology) {
             turned += result.is_turned[t];
             for (const Neighbour& neighbour : neighbours[t]) {
                 if (!neighbour.is_present) continue;
-                const char wanted = result.is_turned[t] ^ char{neighbour.disagrees};
+                const char wanted = result.is_turned[t] ^ char { neighbour.disagrees };
                 if (!is_seen[neighbour.triangle]) {
                     is_seen[neighbour.triangle] = 1;
                     result.is_turned[neighbour.triangle] = wanted;

@@ -27,8 +27,7 @@ FieldBlock BlockDistances::to_block(const Index3& coordinate, double half_width_
     const SampleBits active = active_bits(block);
     SampleBits negative = negative_bits(block);
     spread(active, negative);
-    apply_signs(block, active, negative,
-                static_cast<float>(half_width_voxels * voxel_size_world));
+    apply_signs(block, active, negative, static_cast<float>(half_width_voxels * voxel_size_world));
     return block;
 }
 

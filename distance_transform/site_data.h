@@ -31,7 +31,8 @@ struct alignas(64) SiteRegion {
     // So far a line of the processor's caches.
     float lateral_factor[3]; // how much of the offset can lie along each axis
     /// Two parallel planes along `axis` between which the region's projection lies:
-    /// low <= across[0] * x_u + across[1] * x_v <= high for the base, u and v the axes after `axis`.
+    /// low <= across[0] * x_u + across[1] * x_v <= high for the base, u and v the axes after
+    /// `axis`.
     struct Strip {
         float across[2];
         float low;
@@ -42,8 +43,8 @@ struct alignas(64) SiteRegion {
     Strip strips[4];
 };
 
-/// A face: the orthonormal frame of the thesis's figure 4.9. r runs along the longest side, s to the
-/// apex, t along the normal; the corners are (-b, 0), (a, 0) and (0, h), all of a, b, h >= 0.
+/// A face: the orthonormal frame of the thesis's figure 4.9. r runs along the longest side, s to
+/// the apex, t along the normal; the corners are (-b, 0), (a, 0) and (0, h), all of a, b, h >= 0.
 struct FaceSite {
     double origin[3]; // foot of the apex on the longest side
     double r[3];
@@ -74,7 +75,7 @@ struct EdgeSite {
 /// A vertex, once for each fan of triangles around it.
 struct VertexSite {
     double origin[3];
-    double normal[3]; // of the fan
+    double normal[3];    // of the fan
     std::int32_t number; // of the vertex
 };
 

@@ -115,9 +115,8 @@ private:
         strip.low = static_cast<float>(low - 3 * pad_);
         strip.high = static_cast<float>(high + 3 * pad_);
         strip.lean = static_cast<float>(m_u * direction_[u_] + m_v * direction_[v_]);
-        strip.factor = is_round_
-                           ? 1.0f
-                           : static_cast<float>(std::abs(m_u * across_[u_] + m_v * across_[v_]));
+        strip.factor =
+            is_round_ ? 1.0f : static_cast<float>(std::abs(m_u * across_[u_] + m_v * across_[v_]));
     }
 
     // Far below any length that tells a direction, far above rounding.
@@ -135,8 +134,8 @@ private:
 
 constexpr std::size_t most_clipping_planes = 12;
 
-/// The greatest |l| with l·u_j <= sign * k_j for all j, 0 if there is no such l. planes  (u_j, k_j);
-/// leaving some out, or a `bound` of |l| that is too large, makes the result larger at most.
+/// The greatest |l| with l·u_j <= sign * k_j for all j, 0 if there is no such l. planes  (u_j,
+/// k_j); leaving some out, or a `bound` of |l| that is too large, makes the result larger at most.
 double greatest_offset(std::span<const Eigen::Vector3d> planes, double bound, double sign) {
     using Point = Eigen::Vector2d;
     // A convex polygon gains one corner at most from a cut.
@@ -172,7 +171,8 @@ class SiteFinder {
 public:
     SiteFinder(const Mesh& mesh, const MeshTopology& topology, double half_width)
         : mesh_(mesh), topology_(topology), half_width_(half_width),
-          normals_(mesh.triangles.size()), noise_(mesh.triangles.size()), is_open_(topology.fan_count) {
+          normals_(mesh.triangles.size()), noise_(mesh.triangles.size()),
+          is_open_(topology.fan_count) {
         for (std::size_t e = 0; e < topology.edge_count(); ++e) {
             if (topology.edge(e).size() == 2) continue;
             for (const std::uint32_t h : topology.edge(e)) {
@@ -191,11 +191,9 @@ public:
         sites_.edges.resize(edge_count);
         sites_.vertices.resize(fan_count);
         for_all(face_count, [&](std::size_t t) { sites_.regions[t] = add_face(t); });
-        for_all(edge_count,
-                [&](std::size_t e) { sites_.regions[face_count + e] = add_edge(e); });
-        const Buckets fans =
-            buckets_of(topology_.fan_of_corner.size(), fan_count,
-                       [&](std::size_t c) { return topology_.fan_of_corner[c]; });
+        for_all(edge_count, [&](std::size_t e) { sites_.regions[face_count + e] = add_edge(e); });
+        const Buckets fans = buckets_of(topology_.fan_of_corner.size(), fan_count,
+                                        [&](std::size_t c) { return topology_.fan_of_corner[c]; });
         for_all(fan_count, [&](std::size_t f) {
             const auto corners =
                 std::span(fans.order).subspan(fans.begin[f], fans.begin[f + 1] - fans.begin[f]);
@@ -300,7 +298,8 @@ private:
                 // Where the edge is nearly flat, its direction is told better by the normals.
                 const Vec3d& first = normals_[halfedges[0] / 3];
                 const Vec3d& second = normals_[halfedges[1] / 3];
-                const Vec3d between = first.dot(second) < 0 ? Vec3d(first - second) : first + second;
+                const Vec3d between =
+                    first.dot(second) < 0 ? Vec3d(first - second) : first + second;
                 middle = sine > 0.5 ? Vec3d(-into.normalized()) : between.normalized();
                 if (middle.dot(into) > 0) middle = -middle;
                 // So flat that even the side may be in doubt.
@@ -322,9 +321,9 @@ private:
         return RegionOf(ends, middle, low, half_width_).aside(lateral, slope, across).get();
     }
 
-    /// With n the fan's normal and unit edges e_j = c_j n + s_j u_j, u_j across n, an offset h n + l
-    /// leads along no edge if l·u_j <= k_j h, k_j = - c_j / s_j. A direction of l lies between two
-    /// neighbouring u_j, within half of their angle of one of them, so that |l| <= h max(k_j) /
+    /// With n the fan's normal and unit edges e_j = c_j n + s_j u_j, u_j across n, an offset h n +
+    /// l leads along no edge if l·u_j <= k_j h, k_j = - c_j / s_j. A direction of l lies between
+    /// two neighbouring u_j, within half of their angle of one of them, so that |l| <= h max(k_j) /
     /// cos(half the angle), the greatest over all pairs; for h < 0 the k_j change their sign.
     SiteRegion add_vertex(std::size_t fan, std::span<const std::uint32_t> corners) {
         const Vec3d& p = corner(corners[0] / 3, static_cast<int>(corners[0] % 3));

@@ -8,8 +8,8 @@
 
 namespace isocast {
 
-/// The faces by triangle, the edges by edge of the topology, the vertices by fan. A site that cannot
-/// hold the nearest point of any sample has an empty region: low > high.
+/// The faces by triangle, the edges by edge of the topology, the vertices by fan. A site that
+/// cannot hold the nearest point of any sample has an empty region: low > high.
 struct Sites {
     template<class T>
     using Array = std::vector<T, FreshMemory<T>>;
@@ -34,9 +34,10 @@ struct Sites {
 /// mesh, topology  positions in voxels; any mesh, open or not, without triangles of no area
 /// source          Bærentzen & Aanæs 2005 for the normals of edges and vertices (of a vertex where
 ///                 several fans meet, one for each); thesis section 4.2.2 for the regions, where
-///                 they are polyhedra of closed oriented meshes; ours follow from what any nearest point obeys (scan_kernel.inl), so that borders
-///                 get half cylinders, and edges of three triangles or more and vertices without a
-///                 ring of triangles around them get all that is within the half width
+///                 they are polyhedra of closed oriented meshes; ours follow from what any nearest
+///                 point obeys (scan_kernel.inl), so that borders get half cylinders, and edges of
+///                 three triangles or more and vertices without a ring of triangles around them get
+///                 all that is within the half width
 Sites voronoi_sites(const Mesh& mesh, const MeshTopology& topology, double half_width_voxels);
 
 /// Without the library call that std::floor is on old instruction sets.
@@ -64,8 +65,8 @@ void for_each_cell(const SiteRegion& region, int cell_size, const IndexBox& limi
         const float shift_high = std::max(low * w[axis], high * w[axis]);
         const float aside = lateral * region.lateral_factor[axis];
         // The last sample of a cell is size - 1 beyond its first.
-        const int first = -floor_to_int(
-            -(region.base_min[axis] + shift_low - aside - (size - 1)) * inverse_size);
+        const int first =
+            -floor_to_int(-(region.base_min[axis] + shift_low - aside - (size - 1)) * inverse_size);
         const int last = floor_to_int((region.base_max[axis] + shift_high + aside) * inverse_size);
         return std::pair(std::max(first, limits.lo[axis]), std::min(last, limits.hi[axis] - 1));
     };
@@ -74,9 +75,10 @@ void for_each_cell(const SiteRegion& region, int cell_size, const IndexBox& limi
     Index3 cell;
     for (cell[k] = k_first; cell[k] <= k_last; ++cell[k]) {
         const float first_sample = size * static_cast<float>(cell[k]);
-        const float low = std::max(region.low, (first_sample - region.base_max[k] - aside) * inverse_w);
-        const float high =
-            std::min(region.high, (first_sample + size - 1 - region.base_min[k] + aside) * inverse_w);
+        const float low =
+            std::max(region.low, (first_sample - region.base_max[k] - aside) * inverse_w);
+        const float high = std::min(
+            region.high, (first_sample + size - 1 - region.base_min[k] + aside) * inverse_w);
         if (!(low <= high)) continue;
         const float lateral = region.lateral + region.lateral_slope * std::max(-low, high);
         const auto [u_first, u_last] = cells(u, low, high, lateral);

@@ -29,8 +29,7 @@ DenseField extend_by_sweeping(const SparseField& band, const IndexBox& box) {
         std::size_t next = static_cast<std::size_t>(z) * size.x() * size.y();
         for (int y = 0; y < size.y(); ++y)
             for (int x = 0; x < size.x(); ++x)
-                values[next++] =
-                    at.getValue({box.lo.x() + x, box.lo.y() + y, box.lo.z() + z});
+                values[next++] = at.getValue({box.lo.x() + x, box.lo.y() + y, box.lo.z() + z});
     });
     return DenseField(band.space(), box, std::move(values));
 }

@@ -138,8 +138,8 @@ vdb::GridCPtrVec to_grids(const SparseField& field,
     for (const auto& [key, text] : metadata) surface->insertMeta(key, vdb::StringMetadata(text));
     vdb::GridCPtrVec grids = {surface};
     if (closest.offset_world) {
-        const auto offsets = grid_beside<vdb::Vec3SGrid>(
-            field, "closest", [&](std::size_t block, int sample) {
+        const auto offsets =
+            grid_beside<vdb::Vec3SGrid>(field, "closest", [&](std::size_t block, int sample) {
                 const Eigen::Vector3f v = closest.offset_world(block, sample);
                 return vdb::Vec3s(v.x(), v.y(), v.z());
             });

@@ -97,8 +97,7 @@ TEST(ConvertAuto, SeveralShellsGoByWindingNumber) {
     const Mesh one = two;
     const int count = static_cast<int>(one.vertices_world.size());
     const double apart = 1.5 * bounding_box(one).size().x();
-    for (const Vec3d& p : one.vertices_world)
-        two.vertices_world.push_back(p + Vec3d(apart, 0, 0));
+    for (const Vec3d& p : one.vertices_world) two.vertices_world.push_back(p + Vec3d(apart, 0, 0));
     for (const auto& [a, b, c] : one.triangles)
         two.triangles.push_back({a + count, b + count, c + count});
     const CheckedMesh mesh = check(two);

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <bit>
@@ -276,8 +277,8 @@ CheckedMesh check(const Mesh& mesh) {
     result.topology = topology_of(result.mesh);
     const MeshTopology& topology = result.topology;
     verdict.shells = topology.shell_count;
-    count_edges(result.mesh, topology, verdict);
-    count_pinched_vertices(result.mesh, topology, verdict);
+    tbb::parallel_invoke([&] { count_edges(result.mesh, topology, verdict); },
+                         [&] { count_pinched_vertices(result.mesh, topology, verdict); });
     if (verdict.flipped_edges > 0) orient(result);
     verdict.volume_world = signed_volume(result.mesh);
     if (verdict.is_closed() && verdict.is_oriented() && verdict.volume_world < 0) {

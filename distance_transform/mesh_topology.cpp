@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <limits>
@@ -46,6 +47,38 @@ int corner_at(const Mesh& mesh, std::uint32_t halfedge, int vertex) {
     return first + (mesh.triangles[halfedge / 3][k] == vertex ? k : (k + 1) % 3);
 }
 
+/// Calls visit(a, b) for half-edges that follow each other at an edge.
+template<class Visit>
+void for_each_meeting(const MeshTopology& topology, const Visit& visit) {
+    for (std::size_t e = 0; e < topology.edge_count(); ++e) {
+        const auto halfedges = topology.edge(e);
+        for (std::size_t i = 1; i < halfedges.size(); ++i) visit(halfedges[i - 1], halfedges[i]);
+    }
+}
+
+void find_fans(const Mesh& mesh, MeshTopology& topology) {
+    DisjointSets fans(topology.halfedges.size());
+    for_each_meeting(topology, [&](std::uint32_t a, std::uint32_t b) {
+        for (const int vertex : {halfedge_from(mesh, a), halfedge_to(mesh, a)})
+            fans.unite(corner_at(mesh, a, vertex), corner_at(mesh, b, vertex));
+    });
+    // A set's least member names it, so that one pass numbers the sets in order.
+    topology.fan_of_corner.resize(topology.halfedges.size());
+    for (int c = 0; c < std::ssize(topology.fan_of_corner); ++c) {
+        const int root = fans.find(c);
+        topology.fan_of_corner[c] = root == c ? topology.fan_count++ : topology.fan_of_corner[root];
+    }
+}
+
+void count_shells(const Mesh& mesh, MeshTopology& topology) {
+    DisjointSets shells(mesh.triangles.size());
+    for_each_meeting(topology, [&](std::uint32_t a, std::uint32_t b) {
+        shells.unite(static_cast<int>(a / 3), static_cast<int>(b / 3));
+    });
+    for (int t = 0; t < std::ssize(mesh.triangles); ++t)
+        topology.shell_count += shells.find(t) == t ? 1 : 0;
+}
+
 } // namespace
 
 MeshTopology topology_of(const Mesh& mesh) {
@@ -68,32 +101,15 @@ MeshTopology topology_of(const Mesh& mesh) {
 
     MeshTopology topology;
     topology.halfedges.reserve(corner_count);
-    DisjointSets fans(corner_count);
-    DisjointSets shells(mesh.triangles.size());
     for (int least = 0; least < std::ssize(mesh.vertices_world); ++least) {
         for (std::uint32_t i = by_least.begin[least]; i < by_least.begin[least + 1]; ++i) {
-            const EdgeUse& use = uses[i];
-            topology.halfedges.push_back(use.halfedge);
-            if (i == by_least.begin[least] || use.greatest != uses[i - 1].greatest) {
+            topology.halfedges.push_back(uses[i].halfedge);
+            if (i == by_least.begin[least] || uses[i].greatest != uses[i - 1].greatest)
                 topology.edge_begin.push_back(i);
-                continue;
-            }
-            const std::uint32_t before = uses[i - 1].halfedge;
-            for (const int vertex : {least, use.greatest})
-                fans.unite(corner_at(mesh, before, vertex), corner_at(mesh, use.halfedge, vertex));
-            shells.unite(static_cast<int>(before / 3), static_cast<int>(use.halfedge / 3));
         }
     }
     topology.edge_begin.push_back(static_cast<std::uint32_t>(corner_count));
-
-    // A set's least member names it, so that one pass numbers the sets in order.
-    topology.fan_of_corner.resize(corner_count);
-    for (int c = 0; c < static_cast<int>(corner_count); ++c) {
-        const int root = fans.find(c);
-        topology.fan_of_corner[c] = root == c ? topology.fan_count++ : topology.fan_of_corner[root];
-    }
-    for (int t = 0; t < static_cast<int>(mesh.triangles.size()); ++t)
-        topology.shell_count += shells.find(t) == t ? 1 : 0;
+    tbb::parallel_invoke([&] { find_fans(mesh, topology); }, [&] { count_shells(mesh, topology); });
     return topology;
 }
 

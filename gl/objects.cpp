@@ -162,6 +162,19 @@ Framebuffer::Framebuffer(std::initializer_list<const Texture*> colours, std::str
                                   height_, status));
 }
 
+Framebuffer Framebuffer::without_attachments(int width, int height, std::string_view label) {
+    unsigned id = 0;
+    glCreateFramebuffers(1, &id);
+    Framebuffer framebuffer;
+    framebuffer.handle_ = Handle<delete_framebuffer>(id);
+    set_label(GL_FRAMEBUFFER, id, label);
+    glNamedFramebufferParameteri(id, GL_FRAMEBUFFER_DEFAULT_WIDTH, width);
+    glNamedFramebufferParameteri(id, GL_FRAMEBUFFER_DEFAULT_HEIGHT, height);
+    framebuffer.width_ = width;
+    framebuffer.height_ = height;
+    return framebuffer;
+}
+
 void Framebuffer::bind() const {
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, id());
     glViewport(0, 0, width_, height_);

@@ -99,6 +99,8 @@ public:
     Framebuffer() = default;
     /// throws  GlError if the driver finds it incomplete
     Framebuffer(std::initializer_list<const Texture*> colours, std::string_view label);
+    /// For shaders that write to buffers alone.
+    static Framebuffer without_attachments(int width, int height, std::string_view label);
     unsigned id() const { return handle_.id(); }
 
     /// Draws go here from now on, over the whole of it.

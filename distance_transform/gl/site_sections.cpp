@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MPL-2.0
+#include "distance_transform/gl/site_sections.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace isocast {
+
+namespace {
+
+using Axis = Eigen::Map<const Vec3d>;
+
+/// What float32 does to a linear function with a gradient of length one, at most, over samples
+/// within `reach` of the cell along each axis: u = 2^-24 for each of 2 conversions, 5 products and
+/// 5 sums, of terms that add up to 4 reach at most.
+double float_error(double reach) {
+    return 12 * 4 * 0x1p-24 * reach;
+}
+
+void write(float (&to)[4], const Vec3d& gradient, double value) {
+    for (int k = 0; k < 3; ++k) to[k] = static_cast<float>(gradient[k]);
+    to[3] = static_cast<float>(value);
+}
+
+void write_face(GpuSite& to, const FaceSite& face, const Vec3d& cell) {
+    const Vec3d d = cell - Axis(face.origin);
+    const Axis r(face.r);
+    const Axis s(face.s);
+    const Axis t(face.t);
+    write(to.functions[0], t, t.dot(d));
+    write(to.functions[1], -s, -s.dot(d));
+    const auto write_side = [&](float(&function)[4], const FaceSite::Side& side, double sign) {
+        const Vec3d outwards = sign * side.sine * r + side.cosine * s;
+        write(function, outwards, outwards.dot(d) - side.sine * side.base);
+    };
+    write_side(to.functions[2], face.right, 1);
+    write_side(to.functions[3], face.left, -1);
+}
+
+void write_edge(GpuSite& to, const EdgeSite& edge, const Vec3d& cell) {
+    const Vec3d d = cell - Axis(edge.origin);
+    const Axis e(edge.e);
+    write(to.functions[0], Axis(edge.x), Axis(edge.x).dot(d));
+    write(to.functions[1], Axis(edge.y), Axis(edge.y).dot(d));
+    write(to.functions[2], -e, -e.dot(d));
+    write(to.functions[3], e, e.dot(d) - edge.length);
+}
+
+void write_vertex(GpuSite& to, const VertexSite& vertex, const Vec3d& cell) {
+    for (int k = 0; k < 3; ++k) write(to.functions[k], Vec3d::Unit(k), cell[k] - vertex.origin[k]);
+}
+
+/// Where the region's slices along z begin and end, from the cell.
+struct Slices {
+    double low;
+    double high;
+};
+
+Slices write_region(GpuSite& to, const SiteRegion& region, const Vec3d& cell) {
+    double extent = 0;
+    for (int k = 0; k < 3; ++k) {
+        to.base_min[k] = static_cast<float>(region.base_min[k] - cell[k]);
+        to.base_max[k] = static_cast<float>(region.base_max[k] - cell[k]);
+        to.direction[k] = region.direction[k];
+        to.lateral_factor[k] = region.lateral_factor[k];
+        extent = std::max(extent, double{region.base_max[k]} - region.base_min[k]);
+    }
+    to.low = region.low;
+    to.high = region.high;
+    to.lateral = region.lateral;
+    to.lateral_slope = region.lateral_slope;
+    const double height = std::max(-region.low, region.high);
+    const double reach = region.lateral + region.lateral_slope * height;
+    // 2: from the cell to the site's origin, and from the region to the samples around it. Twice,
+    // since a distance is made of up to three functions.
+    to.error = static_cast<float>(2 * float_error(extent + height + reach + 2));
+    const double a = double{region.low} * region.direction[2];
+    const double b = double{region.high} * region.direction[2];
+    const double aside = reach * region.lateral_factor[2] + to.error;
+    return {to.base_min[2] + std::min(a, b) - aside, to.base_max[2] + std::max(a, b) + aside};
+}
+
+} // namespace
+
+TileSections sections_of_tile(const SiteArrays& sites, std::span<const std::int32_t> list,
+                              const Index3& first_sample, int slab_height, int slot) {
+    TileSections result;
+    result.sites.reserve(list.size());
+    for (const std::int32_t number : list) {
+        const int edge = number - sites.face_count;
+        const int vertex = edge - sites.edge_count;
+        const int kind = edge < 0 ? 0 : vertex < 0 ? 1 : 2;
+        const double* origin = kind == 0   ? sites.faces[number].origin
+                               : kind == 1 ? sites.edges[edge].origin
+                                           : sites.vertices[vertex].origin;
+        const Vec3d cell = Axis(origin).array().floor();
+        GpuSite site{};
+        const Slices slices = write_region(site, sites.regions[number], cell);
+        const Index3 cell_in_tile = cell.cast<int>() - first_sample;
+        const int first = static_cast<int>(std::ceil(slices.low)) + cell_in_tile.z();
+        const int last = static_cast<int>(std::floor(slices.high)) + cell_in_tile.z();
+        std::ranges::copy(cell_in_tile, site.cell);
+        site.slot = slot;
+        site.number = number;
+        if (kind == 0)
+            write_face(site, sites.faces[number], cell);
+        else if (kind == 1)
+            write_edge(site, sites.edges[edge], cell);
+        else
+            write_vertex(site, sites.vertices[vertex], cell);
+        const auto index = static_cast<std::uint32_t>(result.sites.size());
+        result.sites.push_back(site);
+        for (int z = std::max(first, 0); z <= std::min(last, slab_height - 1); ++z)
+            result.sections[kind].push_back({index, static_cast<std::uint32_t>(z)});
+    }
+    return result;
+}
+
+} // namespace isocast

@@ -1,0 +1,155 @@
+// Scan conversion on the GPU against the CPU's, block by block.
+// SPDX-License-Identifier: MPL-2.0
+#include "distance_transform/gl/scan_on_gpu.h"
+
+#include "distance_transform/block_transform.h"
+#include "distance_transform/checked_mesh.h"
+#include "distance_transform/convert.h"
+#include "distance_transform/lattice.h"
+#include "distance_transform/mesh_files.h"
+#include "distance_transform/sample_meshes.h"
+#include "volume/errors.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <optional>
+
+namespace isocast {
+namespace {
+
+const std::filesystem::path shader_folder = std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders";
+constexpr double no_limit = std::numeric_limits<double>::infinity();
+
+/// A mesh on its lattice, ready to be scanned by either.
+struct Prepared {
+    double half_width;
+    double voxel_size;
+    Sites sites;
+    BandBlocks band;
+    std::optional<WindingNumber> winding;
+
+    Prepared(const CheckedMesh& input, int resolution, double half_width_voxels)
+        : half_width(half_width_voxels),
+          voxel_size(voxel_size_for_resolution(bounding_box(input.mesh), resolution)) {
+        const LatticeMesh lattice = on_lattice(input.mesh, voxel_size, half_width);
+        sites = voronoi_sites(lattice.mesh, input.topology, half_width);
+        band = find_band_blocks(sites, no_limit, {});
+        const bool is_closed = input.verdict.is_closed() && input.verdict.is_oriented();
+        if (!is_closed) winding.emplace(lattice.mesh, false);
+    }
+
+    FieldBlocks on_cpu() const {
+        const BlockTransform transform(sites.arrays(), winding ? &*winding : nullptr, half_width,
+                                       voxel_size);
+        FieldBlocks blocks(band.blocks.size());
+        for (const BandBlock& of_band : band.blocks) {
+            FieldBlock& block = *std::construct_at(&blocks[of_band.place]);
+            block.coordinate = of_band.coordinate;
+            transform.run(block, band.sites(of_band));
+        }
+        return blocks;
+    }
+
+    GpuScan on_gpu(gl::Context& context, const GpuScanOptions& options = {}) const {
+        gl::ShaderLibrary shaders({shader_folder});
+        return scan_on_gpu(context, shaders, sites, band, winding ? &*winding : nullptr, half_width,
+                           voxel_size, options);
+    }
+};
+
+struct Differences {
+    std::int64_t active = 0;      // samples, of the first
+    std::int64_t activity = 0;    // active in one only
+    std::int64_t signs = 0;       // of any sample of a block with active ones
+    std::int64_t values = 0;      // whose bits differ
+    double greatest_distance = 0; // between two values [voxels]
+};
+
+Differences differences(const FieldBlocks& a, const FieldBlocks& b, double voxel_size) {
+    Differences result;
+    EXPECT_EQ(a.size(), b.size());
+    for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
+        EXPECT_EQ(a[i].coordinate, b[i].coordinate);
+        result.active += static_cast<std::int64_t>(a[i].active.count());
+        result.activity += static_cast<std::int64_t>((a[i].active ^ b[i].active).count());
+        if (a[i].active.none()) continue; // values mean nothing there
+        for (int k = 0; k < samples_per_block; ++k) {
+            const float x = a[i].values[k];
+            const float y = b[i].values[k];
+            result.signs += std::signbit(x) != std::signbit(y);
+            result.values += std::memcmp(&x, &y, sizeof x) != 0;
+            // A value that is no number must not slip through.
+            const double distance =
+                std::isfinite(y) ? std::abs(double{x} - y) / voxel_size : no_limit;
+            result.greatest_distance = std::max(result.greatest_distance, distance);
+        }
+    }
+    return result;
+}
+
+struct Case {
+    std::string name;
+    int resolution;
+    double half_width;
+};
+
+std::string name_of_case(const testing::TestParamInfo<Case>& info) {
+    std::string name = info.param.name;
+    std::erase_if(name, [](char c) { return c == '-' || c == '.' || c == ':'; });
+    return name + "At" + std::to_string(info.param.resolution) + "Within" +
+           std::to_string(static_cast<int>(info.param.half_width));
+}
+
+/// A third of a sphere's triangles taken out.
+Mesh open_sphere() {
+    Mesh mesh = sample_mesh("sphere6");
+    mesh.triangles.resize(mesh.triangles.size() * 2 / 3);
+    return mesh;
+}
+
+std::optional<CheckedMesh> mesh_named(const std::string& name) {
+    if (name == "open") return check(open_sphere());
+    if (!name.ends_with(".obj")) return check(sample_mesh(name));
+    const auto path = std::filesystem::path(ISOCAST_SHARED_DATA) / name;
+    if (!std::filesystem::exists(path)) return std::nullopt;
+    return check(read_mesh(path));
+}
+
+struct GpuScanOf : testing::TestWithParam<Case> {
+    std::unique_ptr<gl::Context> context = gl::make_context({.backend = gl::Backend::Osmesa});
+};
+
+TEST_P(GpuScanOf, HasTheSamplesOfTheCpu) {
+    const auto mesh = mesh_named(GetParam().name);
+    if (!mesh) GTEST_SKIP() << "no " << GetParam().name << " in " << ISOCAST_SHARED_DATA;
+    const Prepared prepared(*mesh, GetParam().resolution, GetParam().half_width);
+    const GpuScan gpu = prepared.on_gpu(*context);
+    const Differences found = differences(prepared.on_cpu(), gpu.blocks, prepared.voxel_size);
+    EXPECT_GT(found.active, 0);
+    EXPECT_EQ(found.activity, 0);
+    EXPECT_EQ(found.signs, 0);
+    // 1e-5 voxel: what the project promises. Both are rounded once to float from doubles.
+    EXPECT_LE(found.greatest_distance, 1e-5);
+    RecordProperty("greatest_distance_voxels", std::to_string(found.greatest_distance));
+    std::printf("%ld active, %ld other bits, %.3g voxels; %.3f candidates and %.3f sections a "
+                "sample, draw %.3f s\n",
+                long(found.active), long(found.values), found.greatest_distance,
+                double(gpu.candidates) / double(found.active),
+                double(gpu.sections) / double(found.active), gpu.time.draw_seconds);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Meshes, GpuScanOf,
+    testing::Values(Case{"sphere6", 64, 3}, Case{"sphere6", 96, 8}, Case{"knot", 96, 3},
+                    Case{"knot", 64, 8}, Case{"torus", 64, 3}, Case{"torus", 96, 8},
+                    Case{"seashell", 96, 3}, Case{"open", 64, 3}, Case{"open", 96, 8},
+                    Case{"bunny-closed.obj", 64, 3}, Case{"bunny-closed.obj", 96, 3},
+                    Case{"bunny-closed.obj", 64, 8}, Case{"bunny-closed.obj", 96, 8}),
+    name_of_case);
+
+} // namespace
+} // namespace isocast

@@ -200,6 +200,27 @@ VertexArray VertexArray::instanced_ivec4(const Buffer& records, std::string_view
     return array;
 }
 
+VertexArray VertexArray::instanced(const Buffer& records,
+                                   std::span<const AttributeType> attributes, const Buffer& indices,
+                                   std::string_view label) {
+    VertexArray array = without_attributes(label);
+    const unsigned id = array.handle_.id();
+    constexpr unsigned bytes = 16; // of an attribute
+    glVertexArrayVertexBuffer(id, 0, records.id(), 0,
+                              static_cast<GLsizei>(bytes * attributes.size()));
+    glVertexArrayBindingDivisor(id, 0, 1);
+    for (unsigned i = 0; i < attributes.size(); ++i) {
+        if (attributes[i] == AttributeType::Int4)
+            glVertexArrayAttribIFormat(id, i, 4, GL_INT, bytes * i);
+        else
+            glVertexArrayAttribFormat(id, i, 4, GL_FLOAT, GL_FALSE, bytes * i);
+        glVertexArrayAttribBinding(id, i, 0);
+        glEnableVertexArrayAttrib(id, i);
+    }
+    glVertexArrayElementBuffer(id, indices.id());
+    return array;
+}
+
 void VertexArray::bind() const {
     glBindVertexArray(handle_.id());
 }

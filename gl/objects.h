@@ -112,6 +112,8 @@ private:
     int height_ = 0;
 };
 
+enum class AttributeType { Float4, Int4 };
+
 /// Vertex input: none, or one buffer of records.
 class VertexArray {
 public:
@@ -120,6 +122,10 @@ public:
     static VertexArray without_attributes(std::string_view label);
     /// Attribute 0: an ivec4 for each instance, tightly packed.
     static VertexArray instanced_ivec4(const Buffer& records, std::string_view label);
+    /// Attributes 0, 1, …: 16 bytes each, one after the other, for each instance; vertices by
+    /// `indices` of 16 bits.
+    static VertexArray instanced(const Buffer& records, std::span<const AttributeType> attributes,
+                                 const Buffer& indices, std::string_view label);
     void bind() const;
 
 private:

@@ -70,20 +70,27 @@ struct Target {
     int blocks_per_slot() const { return tile_blocks * tile_blocks * (slab_height / block_size); }
 };
 
+/// Instances of one kind with the same number of slices.
+struct Draw {
+    int kind;
+    int slice_count;
+    std::uint32_t first;
+    std::uint32_t count;
+};
+
 /// What one batch of tiles gives the GL to draw.
 struct BatchSections {
     std::span<const SlabTile> tiles;
-    std::vector<GpuSite> sites;
-    std::vector<Section> sections;
-    std::array<std::size_t, site_kinds + 1> begin{}; // of each kind's sections
+    std::vector<GpuSite> sites; // draw by draw
+    std::vector<Draw> draws;
 };
 
 /// A batch on its way through the GL, with all that it needs to be drawn again.
 struct Stage {
     std::span<const SlabTile> tiles;
-    std::array<std::size_t, site_kinds + 1> begin{};
+    std::vector<Draw> draws;
     gl::Buffer sites;
-    gl::Buffer sections;
+    gl::VertexArray instances;
     gl::Texture bound;
     gl::Framebuffer framebuffer;
     gl::Buffer counter;
@@ -92,6 +99,27 @@ struct Stage {
     gl::Fence drawn;
     gl::Timer timer;
 };
+
+/// What section.vert reads of a GpuSite.
+constexpr std::array attributes = {gl::AttributeType::Int4,   gl::AttributeType::Float4,
+                                   gl::AttributeType::Float4, gl::AttributeType::Float4,
+                                   gl::AttributeType::Float4, gl::AttributeType::Float4,
+                                   gl::AttributeType::Float4, gl::AttributeType::Float4,
+                                   gl::AttributeType::Float4, gl::AttributeType::Int4};
+static_assert(sizeof(GpuSite) == 16 * attributes.size());
+
+/// 160 MB of them in a batch: more than what 128 tiles of ordinary meshes have.
+constexpr std::size_t most_sites = 1'000'000;
+
+/// Two triangles for each slice, of its four corners.
+constexpr int indices_per_slice = 6;
+gl::Buffer corner_indices(int slab_height) {
+    std::vector<std::uint16_t> indices;
+    for (int slice = 0; slice < slab_height; ++slice)
+        for (const int corner : {0, 1, 2, 2, 1, 3})
+            indices.push_back(static_cast<std::uint16_t>(4 * slice + corner));
+    return {std::as_bytes(std::span(indices)), "corners of sections"};
+}
 
 class GpuScanner {
 public:
@@ -103,7 +131,7 @@ public:
           target_(options, gl::max_image_extent()), most_bytes_(gl::max_storage_bytes()),
           no_attachments_(gl::Framebuffer::without_attachments(target_.width(), target_.height(),
                                                                "candidates")),
-          no_vertices_(gl::VertexArray::without_attributes("sections")),
+          corners_(corner_indices(options.slab_height)),
           meter_(progress, "transform", static_cast<double>(band.blocks.size()), 64) {}
 
     GpuScan run() {
@@ -133,52 +161,46 @@ public:
     }
 
 private:
-    /// The first of `rest`, as many as have slots and as the GL can take in one buffer.
+    /// The first of `rest`, as many as have slots and as memory should be taken for.
     BatchSections next_batch(std::span<const SlabTile> rest) {
         const Stopwatch watch(result_.time.sections_seconds);
         const std::size_t most = std::min(rest.size(), static_cast<std::size_t>(target_.slots()));
-        std::vector<TileSections> of_tile(most);
+        std::vector<std::vector<TileSite>> of_tile(most);
         tbb::parallel_for(std::size_t{0}, most, [&](std::size_t i) {
             of_tile[i] =
                 sections_of_tile(sites_, sites_of_tile(band_, tiles_.blocks(rest[i])),
                                  rest[i].first_sample, target_.slab_height, static_cast<int>(i));
         });
-        BatchSections batch;
         std::size_t count = 0;
         std::size_t site_count = 0;
-        std::array<std::size_t, site_kinds> section_count{};
         for (; count < most; ++count) {
-            const TileSections& tile = of_tile[count];
-            std::size_t sections = 0;
-            for (int kind = 0; kind < site_kinds; ++kind)
-                sections += section_count[kind] + tile.sections[kind].size();
-            const auto bytes = static_cast<std::int64_t>(std::max(
-                (site_count + tile.sites.size()) * sizeof(GpuSite), sections * sizeof(Section)));
-            if (bytes > most_bytes_ && count == 0)
-                throw ResourceError(fmt::format(
-                    "{} sites reach one tile of {} x {} x {} samples, more than the GL's buffers "
-                    "of {} MiB hold; use the CPU or a smaller voxel size",
-                    tile.sites.size(), tile_size, tile_size, target_.slab_height,
-                    most_bytes_ >> 20));
-            if (bytes > most_bytes_) break;
-            site_count += tile.sites.size();
-            for (int kind = 0; kind < site_kinds; ++kind)
-                section_count[kind] += tile.sections[kind].size();
+            if (count > 0 && site_count + of_tile[count].size() > most_sites) break;
+            site_count += of_tile[count].size();
         }
-        batch.tiles = rest.first(count);
-        for (int kind = 0; kind < site_kinds; ++kind)
-            batch.begin[kind + 1] = batch.begin[kind] + section_count[kind];
-        batch.sites.reserve(site_count);
-        batch.sections.resize(batch.begin.back());
-        auto next = batch.begin;
-        for (std::size_t i = 0; i < count; ++i) {
-            const auto first_site = static_cast<std::uint32_t>(batch.sites.size());
-            batch.sites.insert(batch.sites.end(), of_tile[i].sites.begin(), of_tile[i].sites.end());
-            for (int kind = 0; kind < site_kinds; ++kind)
-                for (const Section& section : of_tile[i].sections[kind])
-                    batch.sections[next[kind]++] = {first_site + section.site, section.slice};
+        of_tile.resize(count);
+
+        BatchSections batch{.tiles = rest.first(count)};
+        const auto bin_of = [&](const TileSite& s) {
+            return static_cast<std::size_t>(s.kind * target_.slab_height + s.slice_count - 1);
+        };
+        const std::size_t bins = static_cast<std::size_t>(site_kinds * target_.slab_height);
+        std::vector<std::uint32_t> begin(bins + 1);
+        for (const auto& tile : of_tile)
+            for (const TileSite& site : tile) ++begin[bin_of(site) + 1];
+        for (std::size_t i = 0; i < bins; ++i) {
+            const std::uint32_t in_bin = begin[i + 1];
+            begin[i + 1] += begin[i];
+            if (in_bin == 0) continue;
+            const int slices = static_cast<int>(i) % target_.slab_height + 1;
+            batch.draws.push_back({.kind = static_cast<int>(i) / target_.slab_height,
+                                   .slice_count = slices,
+                                   .first = begin[i],
+                                   .count = in_bin});
+            result_.sections += std::int64_t{in_bin} * slices;
         }
-        result_.sections += static_cast<std::int64_t>(batch.sections.size());
+        batch.sites.resize(site_count);
+        for (const auto& tile : of_tile)
+            for (const TileSite& site : tile) batch.sites[begin[bin_of(site)]++] = site.site;
         return batch;
     }
 
@@ -190,9 +212,9 @@ private:
     /// Gives the GL all of a batch's work.
     void start(Stage& stage, const BatchSections& batch) {
         stage.tiles = batch.tiles;
-        stage.begin = batch.begin;
+        stage.draws = batch.draws;
         stage.sites = gl::Buffer(std::as_bytes(std::span(batch.sites)), "sites");
-        stage.sections = gl::Buffer(std::as_bytes(std::span(batch.sections)), "sections");
+        stage.instances = gl::VertexArray::instanced(stage.sites, attributes, corners_, "sites");
         stage.timer.start();
         draw_bounds(stage);
         draw_candidates(stage);
@@ -209,8 +231,8 @@ private:
         set_state();
         glEnable(GL_BLEND);
         glBlendEquation(GL_MIN);
-        for (int kind = 0; kind < site_kinds; ++kind)
-            draw_sections(stage, shaders_.program(nearest_program(kind)), kind);
+        for (const Draw& draw : stage.draws)
+            draw_sections(stage, shaders_.program(nearest_program(draw.kind)), draw);
     }
 
     void draw_candidates(Stage& stage) {
@@ -223,10 +245,10 @@ private:
         stage.bound.bind_to_unit(0);
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, stage.counter.id());
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, stage.candidates.id());
-        for (int kind = 0; kind < site_kinds; ++kind) {
-            const gl::Program& program = shaders_.program(candidates_program(kind));
+        for (const Draw& draw : stage.draws) {
+            const gl::Program& program = shaders_.program(candidates_program(draw.kind));
             program.set("u_half_width", static_cast<float>(transform_.half_width_voxels));
-            draw_sections(stage, program, kind);
+            draw_sections(stage, program, draw);
         }
         glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
         glCopyNamedBufferSubData(stage.counter.id(), stage.count.id(), 0, 0, sizeof zero);
@@ -239,19 +261,16 @@ private:
         glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     }
 
-    void draw_sections(const Stage& stage, const gl::Program& program, int kind) {
-        const std::size_t count = stage.begin[kind + 1] - stage.begin[kind];
-        if (count == 0) return;
-        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, stage.sites.id());
-        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, stage.sections.id());
-        program.set("u_first_section", static_cast<int>(stage.begin[kind]));
+    void draw_sections(const Stage& stage, const gl::Program& program, const Draw& draw) {
         program.set("u_slab_height", target_.slab_height);
         program.set("u_slot_columns", target_.columns);
         program.set("u_target_size",
                     Eigen::Vector2i(target_.width(), target_.height()).cast<float>().eval());
-        no_vertices_.bind();
+        stage.instances.bind();
         program.use();
-        glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(count));
+        glDrawElementsInstancedBaseInstance(GL_TRIANGLES, indices_per_slice * draw.slice_count,
+                                            GL_UNSIGNED_SHORT, nullptr,
+                                            static_cast<GLsizei>(draw.count), draw.first);
     }
 
     std::uint32_t wait(const Stage& stage) {
@@ -324,9 +343,9 @@ private:
     const ExactTransform& transform_;
     SlabTiles tiles_;
     Target target_;
-    std::int64_t most_bytes_; // of one buffer that shaders read
+    std::int64_t most_bytes_; // of the candidates of one batch
     gl::Framebuffer no_attachments_;
-    gl::VertexArray no_vertices_;
+    gl::Buffer corners_;
     ProgressMeter meter_;
     GpuScan result_;
 };

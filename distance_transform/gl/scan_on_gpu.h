@@ -42,8 +42,8 @@ struct GpuScan {
 ///           (GpuScan.HasTheSamplesOfTheCpu)
 /// source    thesis section 4.2.4, where the slices' polygons and the vectors at their corners come
 ///           from the CPU for each slice, and signs from the triangle alone
-/// throws    InputError for unusable options, ResourceError if a tile's sites exceed what the GL
-///           can hold, gl::GlError
+/// throws    InputError for unusable options, ResourceError if the GL's images or buffers
+///           cannot hold a batch, gl::GlError
 GpuScan scan_on_gpu(gl::Context& context, gl::ShaderLibrary& shaders, const Sites& sites,
                     const BandBlocks& band, const WindingNumber* winding, double half_width_voxels,
                     double voxel_size_world, const GpuScanOptions& options = {},

@@ -82,10 +82,10 @@ Slices write_region(GpuSite& to, const SiteRegion& region, const Vec3d& cell) {
 
 } // namespace
 
-TileSections sections_of_tile(const SiteArrays& sites, std::span<const std::int32_t> list,
-                              const Index3& first_sample, int slab_height, int slot) {
-    TileSections result;
-    result.sites.reserve(list.size());
+std::vector<TileSite> sections_of_tile(const SiteArrays& sites, std::span<const std::int32_t> list,
+                                       const Index3& first_sample, int slab_height, int slot) {
+    std::vector<TileSite> result;
+    result.reserve(list.size());
     for (const std::int32_t number : list) {
         const int edge = number - sites.face_count;
         const int vertex = edge - sites.edge_count;
@@ -97,8 +97,11 @@ TileSections sections_of_tile(const SiteArrays& sites, std::span<const std::int3
         GpuSite site{};
         const Slices slices = write_region(site, sites.regions[number], cell);
         const Index3 cell_in_tile = cell.cast<int>() - first_sample;
-        const int first = static_cast<int>(std::ceil(slices.low)) + cell_in_tile.z();
-        const int last = static_cast<int>(std::floor(slices.high)) + cell_in_tile.z();
+        const int first = std::max(0, static_cast<int>(std::ceil(slices.low)) + cell_in_tile.z());
+        const int last =
+            std::min(slab_height - 1, static_cast<int>(std::floor(slices.high)) + cell_in_tile.z());
+        if (first > last) continue;
+        site.first_slice = first;
         std::ranges::copy(cell_in_tile, site.cell);
         site.slot = slot;
         site.number = number;
@@ -108,10 +111,7 @@ TileSections sections_of_tile(const SiteArrays& sites, std::span<const std::int3
             write_edge(site, sites.edges[edge], cell);
         else
             write_vertex(site, sites.vertices[vertex], cell);
-        const auto index = static_cast<std::uint32_t>(result.sites.size());
-        result.sites.push_back(site);
-        for (int z = std::max(first, 0); z <= std::min(last, slab_height - 1); ++z)
-            result.sections[kind].push_back({index, static_cast<std::uint32_t>(z)});
+        result.push_back({site, kind, last - first + 1});
     }
     return result;
 }

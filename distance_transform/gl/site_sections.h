@@ -24,29 +24,24 @@ struct GpuSite {
     /// says which they are.
     float functions[4][4];
     std::int32_t number;
+    std::int32_t first_slice; // of the tile
     float error; // bound on what float does to any of the functions and the distance [voxels]
-    float unused[2];
+    float unused;
 };
-static_assert(sizeof(GpuSite) == 160, "std430 layout of section.vert");
-
-/// One slice of one site: an instance of the draw.
-struct Section {
-    std::uint32_t site;  // which GpuSite
-    std::uint32_t slice; // of the tile
-};
-static_assert(sizeof(Section) == 8);
+static_assert(sizeof(GpuSite) == 160, "ten attributes of 16 bytes");
 
 inline constexpr int site_kinds = 3; // faces, edges, vertices: SITE_KIND 0, 1, 2
 
-/// The sections of one tile, by kind of site.
-struct TileSections {
-    std::vector<GpuSite> sites;
-    std::array<std::vector<Section>, site_kinds> sections;
+/// A site within a tile: an instance of the draw, with a rectangle for each slice that meets it.
+struct TileSite {
+    GpuSite site;
+    int kind;
+    int slice_count; // >= 1
 };
 
 /// list  sites that may reach the tile, in ascending order
 /// slot  the tile's place in the target
-TileSections sections_of_tile(const SiteArrays& sites, std::span<const std::int32_t> list,
-                              const Index3& first_sample, int slab_height, int slot);
+std::vector<TileSite> sections_of_tile(const SiteArrays& sites, std::span<const std::int32_t> list,
+                                       const Index3& first_sample, int slab_height, int slot);
 
 } // namespace isocast

@@ -226,9 +226,9 @@ private:
     void draw_bounds(const Stage& stage) {
         const gl::DebugGroup group("bounds above the distances");
         stage.framebuffer.bind();
+        set_state();
         constexpr float none[4] = {1e30f, 0, 0, 0}; // nearest.frag has the same number
         glClearBufferfv(GL_COLOR, 0, none);
-        set_state();
         glEnable(GL_BLEND);
         glBlendEquation(GL_MIN);
         for (const Draw& draw : stage.draws)

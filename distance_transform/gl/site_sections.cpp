@@ -50,6 +50,34 @@ void write_vertex(GpuSite& to, const VertexSite& vertex, const Vec3d& cell) {
     for (int k = 0; k < 3; ++k) write(to.functions[k], Vec3d::Unit(k), cell[k] - vertex.origin[k]);
 }
 
+/// A site by its number among all.
+struct SiteAt {
+    int kind;
+    std::int32_t index; // among those of its kind
+
+    SiteAt(const SiteArrays& sites, std::int32_t number) : kind(0), index(number) {
+        if (index < sites.face_count) return;
+        kind = 1;
+        index -= sites.face_count;
+        if (index < sites.edge_count) return;
+        kind = 2;
+        index -= sites.edge_count;
+    }
+    const double* origin(const SiteArrays& sites) const {
+        if (kind == 0) return sites.faces[index].origin;
+        if (kind == 1) return sites.edges[index].origin;
+        return sites.vertices[index].origin;
+    }
+    void write_functions(GpuSite& to, const SiteArrays& sites, const Vec3d& cell) const {
+        if (kind == 0)
+            write_face(to, sites.faces[index], cell);
+        else if (kind == 1)
+            write_edge(to, sites.edges[index], cell);
+        else
+            write_vertex(to, sites.vertices[index], cell);
+    }
+};
+
 /// Where the region's slices along z begin and end, from the cell.
 struct Slices {
     double low;
@@ -80,6 +108,37 @@ Slices write_region(GpuSite& to, const SiteRegion& region, const Vec3d& cell) {
     return {to.base_min[2] + std::min(a, b) - aside, to.base_max[2] + std::max(a, b) + aside};
 }
 
+/// Whether the slice's rectangle holds a sample of the tile: needles mostly pass between them.
+///
+/// twin  shaders/distance/section.vert, which draws that rectangle
+bool holds_a_sample(const GpuSite& site, int slice) {
+    const float z = static_cast<float>(slice - site.cell[2]);
+    const float* w = site.direction;
+    float low = site.low;
+    float high = site.high;
+    const float aside =
+        (site.lateral + site.lateral_slope * std::max(-low, high)) * site.lateral_factor[2];
+    if (std::abs(w[2]) > 0.01f) {
+        const float a = (z - site.base_max[2] - aside) / w[2];
+        const float b = (z - site.base_min[2] + aside) / w[2];
+        low = std::max(low, std::min(a, b));
+        high = std::min(high, std::max(a, b));
+    }
+    if (low > high) return false;
+    const float lateral = site.lateral + site.lateral_slope * std::max(-low, high);
+    for (int k = 0; k < 2; ++k) {
+        const float around = lateral * site.lateral_factor[k] + site.error;
+        const int first =
+            floor_to_int(-(site.base_min[k] + std::min(low * w[k], high * w[k]) - around));
+        const int last =
+            floor_to_int(site.base_max[k] + std::max(low * w[k], high * w[k]) + around);
+        // -first … last, within the tile.
+        if (std::max(-first + site.cell[k], 0) > std::min(last + site.cell[k], tile_size - 1))
+            return false;
+    }
+    return true;
+}
+
 } // namespace
 
 std::vector<TileSite> sections_of_tile(const SiteArrays& sites, std::span<const std::int32_t> list,
@@ -87,31 +146,24 @@ std::vector<TileSite> sections_of_tile(const SiteArrays& sites, std::span<const 
     std::vector<TileSite> result;
     result.reserve(list.size());
     for (const std::int32_t number : list) {
-        const int edge = number - sites.face_count;
-        const int vertex = edge - sites.edge_count;
-        const int kind = edge < 0 ? 0 : vertex < 0 ? 1 : 2;
-        const double* origin = kind == 0   ? sites.faces[number].origin
-                               : kind == 1 ? sites.edges[edge].origin
-                                           : sites.vertices[vertex].origin;
-        const Vec3d cell = Axis(origin).array().floor();
+        const SiteAt at(sites, number);
+        const Vec3d cell = Axis(at.origin(sites)).array().floor();
         GpuSite site{};
         const Slices slices = write_region(site, sites.regions[number], cell);
         const Index3 cell_in_tile = cell.cast<int>() - first_sample;
         const int first = std::max(0, static_cast<int>(std::ceil(slices.low)) + cell_in_tile.z());
         const int last =
             std::min(slab_height - 1, static_cast<int>(std::floor(slices.high)) + cell_in_tile.z());
-        if (first > last) continue;
-        site.first_slice = first;
         std::ranges::copy(cell_in_tile, site.cell);
         site.slot = slot;
         site.number = number;
-        if (kind == 0)
-            write_face(site, sites.faces[number], cell);
-        else if (kind == 1)
-            write_edge(site, sites.edges[edge], cell);
-        else
-            write_vertex(site, sites.vertices[vertex], cell);
-        result.push_back({site, kind, last - first + 1});
+        at.write_functions(site, sites, cell);
+        for (int z = first; z <= last; ++z) {
+            if (!holds_a_sample(site, z)) continue;
+            site.first_slice = z;
+            while (z < last && holds_a_sample(site, z + 1)) ++z;
+            result.push_back({site, at.kind, z - site.first_slice + 1});
+        }
     }
     return result;
 }

@@ -32,13 +32,15 @@ static_assert(sizeof(GpuSite) == 160, "ten attributes of 16 bytes");
 
 inline constexpr int site_kinds = 3; // faces, edges, vertices: SITE_KIND 0, 1, 2
 
-/// A site within a tile: an instance of the draw, with a rectangle for each slice that meets it.
+/// An instance of the draw: a site, with a rectangle for each of some slices of a tile.
 struct TileSite {
     GpuSite site;
     int kind;
     int slice_count; // >= 1
 };
 
+/// All instances that the tile's samples need, with no slice that holds none.
+///
 /// list  sites that may reach the tile, in ascending order
 /// slot  the tile's place in the target
 std::vector<TileSite> sections_of_tile(const SiteArrays& sites, std::span<const std::int32_t> list,

@@ -108,8 +108,9 @@ constexpr std::array attributes = {gl::AttributeType::Int4,   gl::AttributeType:
                                    gl::AttributeType::Float4, gl::AttributeType::Int4};
 static_assert(sizeof(GpuSite) == 16 * attributes.size());
 
-/// 160 MB of them in a batch: more than what 128 tiles of ordinary meshes have.
-constexpr std::size_t most_sites = 1'000'000;
+/// From blocks to sites, in a batch: sites take 160 bytes each, and are mostly in several blocks,
+/// so that a batch stays below a few hundred MB.
+constexpr std::size_t most_references = 4'000'000;
 
 /// Two triangles for each slice, of its four corners.
 constexpr int indices_per_slice = 6;
@@ -142,8 +143,8 @@ public:
                                              "bound above the distance");
             stage.framebuffer = gl::Framebuffer({&stage.bound}, "bound above the distance");
             stage.count = gl::ReadbackBuffer(sizeof(std::uint32_t), "number of candidates");
-            // As many as there are samples would do for most; growing is rare.
-            reserve_candidates(stage, std::int64_t{target_.width()} * target_.height() / 4);
+            // Mostly one for each sample, of which the band seldom fills half; else it grows.
+            reserve_candidates(stage, std::int64_t{target_.width()} * target_.height() / 2);
         }
         std::span<const SlabTile> rest = tiles_.tiles;
         Stage* drawing = nullptr;
@@ -164,20 +165,19 @@ private:
     /// The first of `rest`, as many as have slots and as memory should be taken for.
     BatchSections next_batch(std::span<const SlabTile> rest) {
         const Stopwatch watch(result_.time.sections_seconds);
-        const std::size_t most = std::min(rest.size(), static_cast<std::size_t>(target_.slots()));
-        std::vector<std::vector<TileSite>> of_tile(most);
-        tbb::parallel_for(std::size_t{0}, most, [&](std::size_t i) {
+        std::size_t count = 0;
+        std::size_t references = 0;
+        for (; count < rest.size() && count < static_cast<std::size_t>(target_.slots()); ++count) {
+            for (const std::uint32_t b : tiles_.blocks(rest[count]))
+                references += band_.blocks[b].count;
+            if (count > 0 && references > most_references) break;
+        }
+        std::vector<std::vector<TileSite>> of_tile(count);
+        tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
             of_tile[i] =
                 sections_of_tile(sites_, sites_of_tile(band_, tiles_.blocks(rest[i])),
                                  rest[i].first_sample, target_.slab_height, static_cast<int>(i));
         });
-        std::size_t count = 0;
-        std::size_t site_count = 0;
-        for (; count < most; ++count) {
-            if (count > 0 && site_count + of_tile[count].size() > most_sites) break;
-            site_count += of_tile[count].size();
-        }
-        of_tile.resize(count);
 
         BatchSections batch{.tiles = rest.first(count)};
         const auto bin_of = [&](const TileSite& s) {
@@ -198,7 +198,7 @@ private:
                                    .count = in_bin});
             result_.sections += std::int64_t{in_bin} * slices;
         }
-        batch.sites.resize(site_count);
+        batch.sites.resize(begin.back());
         for (const auto& tile : of_tile)
             for (const TileSite& site : tile) batch.sites[begin[bin_of(site)]++] = site.site;
         return batch;

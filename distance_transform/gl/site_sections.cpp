@@ -10,11 +10,12 @@ namespace {
 
 using Axis = Eigen::Map<const Vec3d>;
 
-/// What float32 does to a linear function with a gradient of length one, at most, over samples
-/// within `reach` of the cell along each axis: u = 2^-24 for each of 2 conversions, 5 products and
-/// 5 sums, of terms that add up to 4 reach at most.
-double float_error(double reach) {
-    return 12 * 4 * 0x1p-24 * reach;
+/// What float32 does, at most, to a linear function with a gradient of length one, where its value
+/// is below `range`, over samples within `range` of the cell along each axis: u = 2^-24 for each of
+/// 2 conversions, 5 products and 5 sums, of terms that add up to (2 sqrt(3) + 1) range at most.
+/// Where the value is larger it is rounded in proportion, which leaves it large.
+double float_error(double range) {
+    return 12 * 4.5 * 0x1p-24 * range;
 }
 
 void write(float (&to)[4], const Vec3d& gradient, double value) {
@@ -99,9 +100,10 @@ Slices write_region(GpuSite& to, const SiteRegion& region, const Vec3d& cell) {
     to.lateral_slope = region.lateral_slope;
     const double height = std::max(-region.low, region.high);
     const double reach = region.lateral + region.lateral_slope * height;
-    // 2: from the cell to the site's origin, and from the region to the samples around it. Twice,
-    // since a distance is made of up to three functions.
-    to.error = static_cast<float>(2 * float_error(extent + height + reach + 2));
+    // 2: the region's samples and the cell may lie up to one off. Twice, since a distance is made
+    // of up to three functions.
+    const double range = std::min(extent + height + reach + 2, double{tile_size}) + height + reach;
+    to.error = static_cast<float>(2 * float_error(range));
     const double a = double{region.low} * region.direction[2];
     const double b = double{region.high} * region.direction[2];
     const double aside = reach * region.lateral_factor[2] + to.error;
@@ -145,9 +147,13 @@ std::vector<TileSite> sections_of_tile(const SiteArrays& sites, std::span<const 
                                        const Index3& first_sample, int slab_height, int slot) {
     std::vector<TileSite> result;
     result.reserve(list.size());
+    const Vec3d tile_min = first_sample.cast<double>();
+    const Vec3d tile_max = tile_min + Vec3d(tile_size - 1, tile_size - 1, slab_height - 1);
     for (const std::int32_t number : list) {
         const SiteAt at(sites, number);
-        const Vec3d cell = Axis(at.origin(sites)).array().floor();
+        // Next to the site, but no farther from the tile's samples than they are from each other.
+        const Vec3d cell =
+            Axis(at.origin(sites)).array().floor().matrix().cwiseMax(tile_min).cwiseMin(tile_max);
         GpuSite site{};
         const Slices slices = write_region(site, sites.regions[number], cell);
         const Index3 cell_in_tile = cell.cast<int>() - first_sample;

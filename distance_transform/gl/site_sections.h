@@ -10,7 +10,7 @@ namespace isocast {
 ///
 /// twin  shaders/distance/section.vert: Site
 struct GpuSite {
-    std::int32_t cell[3]; // a sample next to the site's origin, from the tile's first sample
+    std::int32_t cell[3]; // a sample of the tile next to the site's origin, from the first one
     std::int32_t slot;    // the tile's place in the target
     float base_min[3];    // SiteRegion, from the cell
     float low;

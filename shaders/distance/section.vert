@@ -5,7 +5,7 @@
 
 const int tile_size = 64; // distance_transform/gl/slab_tiles.h
 
-layout(location = 0) in ivec4 cell;          // its own origin, in samples of the tile; w the slot
+layout(location = 0) in ivec4 cell;          // a sample of the tile next to the site; w the slot
 layout(location = 1) in vec4 base_min;       // from the cell; w the least height
 layout(location = 2) in vec4 base_max;       // w the greatest height
 layout(location = 3) in vec4 direction;      // of heights; w the lateral offset at height 0

@@ -178,13 +178,6 @@ TEST_F(GpuScanBatches, ImagesOfAnySizeGiveTheSame) {
     expect_same_bits(whole.blocks, parts.blocks);
 }
 
-TEST_F(GpuScanBatches, CandidatesThatOverflowAreDrawnAgain) {
-    // One tile at a time, with room for a quarter of its samples.
-    const GpuScan narrow = prepared.on_gpu(*context, {.target_extent = 1});
-    EXPECT_GT(narrow.candidates / narrow.batches, 64 * 64 * 8 / 4);
-    expect_same_bits(prepared.on_cpu(), narrow.blocks);
-}
-
 TEST_F(GpuScanBatches, EglAndOsmesaGiveTheSame) {
     const GpuScan osmesa = prepared.on_gpu(*context);
     context.reset();
@@ -214,9 +207,9 @@ TEST_F(GpuScanBatches, RefusesSlabsThatAreNoWholeBlocks) {
         EXPECT_THROW(prepared.on_gpu(*context, {.slab_height = height}), InputError) << height;
 }
 
-/// Sheets a millionth of a voxel apart, whose signs differ: float cannot tell them apart.
-TEST(GpuScan, SignsOfAThinPlateAreTheCpus) {
-    constexpr double thickness = 4e-8; // 60 voxels to 2.8
+/// Two sheets a millionth of a voxel apart at 60 voxels to 2.8.
+CheckedMesh thin_plate() {
+    constexpr double thickness = 4e-8;
     Mesh plate;
     const Vec3d lean = Vec3d(0.3, 0.5, 1).normalized();
     const Vec3d u = lean.unitOrthogonal();
@@ -226,7 +219,12 @@ TEST(GpuScan, SignsOfAThinPlateAreTheCpus) {
             plate.vertices_world.push_back(a * u + b * v + side * lean);
     plate.triangles = {{0, 2, 1}, {0, 3, 2}, {4, 5, 6}, {4, 6, 7}, {0, 1, 5}, {0, 5, 4},
                        {1, 2, 6}, {1, 6, 5}, {2, 3, 7}, {2, 7, 6}, {3, 0, 4}, {3, 4, 7}};
-    const CheckedMesh mesh = check(plate);
+    return check(plate);
+}
+
+/// Float cannot tell the sheets apart, and what is outside of one is not outside of the other.
+TEST(GpuScan, SignsOfAThinPlateAreTheCpus) {
+    const CheckedMesh mesh = thin_plate();
     ASSERT_TRUE(mesh.verdict.is_closed() && mesh.verdict.is_oriented());
     const auto context = gl::make_context({.backend = gl::Backend::Osmesa});
     const Prepared prepared(mesh, 60, 5);
@@ -240,6 +238,15 @@ TEST(GpuScan, SignsOfAThinPlateAreTheCpus) {
     EXPECT_GT(static_cast<double>(gpu.candidates), 1.5 * static_cast<double>(found.active));
 }
 
+TEST(GpuScan, CandidatesThatOverflowAreDrawnAgain) {
+    // One tile at a time, with room for half as many candidates as samples; here are twice as many.
+    const auto context = gl::make_context({.backend = gl::Backend::Osmesa});
+    const Prepared prepared(thin_plate(), 60, 20);
+    const GpuScan narrow = prepared.on_gpu(*context, {.target_extent = 1});
+    EXPECT_GT(narrow.candidates / narrow.batches, 64 * 64 * 8 / 2);
+    expect_same_bits(prepared.on_cpu(), narrow.blocks);
+}
+
 /// Triangles far larger than the grid's blocks, and a field that spans many tiles.
 TEST(GpuScan, HasTheSamplesOfTheCpuForLongTriangles) {
     Mesh tetrahedron;
@@ -251,6 +258,7 @@ TEST(GpuScan, HasTheSamplesOfTheCpuForLongTriangles) {
     EXPECT_GT(gpu.batches, 3);
     const Differences found = differences(prepared.on_cpu(), gpu.blocks, prepared.voxel_size);
     EXPECT_GT(found.active, 100000);
+    EXPECT_LT(static_cast<double>(gpu.candidates), 1.1 * static_cast<double>(found.active));
     EXPECT_EQ(found.activity, 0);
     EXPECT_EQ(found.signs, 0);
     EXPECT_LE(found.greatest_distance, 1e-5); // what the project promises

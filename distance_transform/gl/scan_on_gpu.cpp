@@ -293,9 +293,13 @@ private:
                     "buffers of {} MiB hold; use the CPU",
                     count, most_bytes_ >> 20));
             reserve_candidates(stage, count);
+            stage.timer.start();
             draw_candidates(stage);
+            stage.timer.stop();
             stage.drawn = gl::Fence::after_all_commands();
             count = wait(stage);
+            result_.time.draw_seconds += stage.timer.milliseconds() / 1000;
+            ++result_.repeated_batches;
         }
         const Stopwatch watch(result_.time.exact_seconds);
         result_.candidates += count;

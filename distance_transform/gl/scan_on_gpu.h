@@ -24,8 +24,9 @@ struct GpuScan {
         double exact_seconds = 0;    // CPU: exact distances and signs
     } time;
     std::int64_t batches = 0;
-    std::int64_t sections = 0;   // rectangles drawn, in each of two passes
-    std::int64_t candidates = 0; // exact distances computed
+    std::int64_t repeated_batches = 0; // had more candidates than there was room for
+    std::int64_t sections = 0;         // rectangles drawn, in each of two passes
+    std::int64_t candidates = 0;       // exact distances computed
 };
 
 /// Exact signed distances at the samples of all blocks, as BlockTransform computes them.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace isocast {
 
@@ -10,12 +11,11 @@ namespace {
 
 using Axis = Eigen::Map<const Vec3d>;
 
-/// What float32 does, at most, to a linear function with a gradient of length one, where its value
-/// is below `range`, over samples within `range` of the cell along each axis: u = 2^-24 for each of
-/// 2 conversions, 5 products and 5 sums, of terms that add up to (2 sqrt(3) + 1) range at most.
-/// Where the value is larger it is rounded in proportion, which leaves it large.
-double float_error(double range) {
-    return 12 * 4.5 * 0x1p-24 * range;
+/// What float32 does, at most, to a linear function with a gradient of length one where its terms
+/// add up to `terms` (their magnitudes): u = 2^-24 for each of 2 conversions, 5 products and 5
+/// sums.
+double float_error(double terms) {
+    return 12 * 0x1p-24 * terms;
 }
 
 void write(float (&to)[4], const Vec3d& gradient, double value) {
@@ -85,7 +85,8 @@ struct Slices {
     double high;
 };
 
-Slices write_region(GpuSite& to, const SiteRegion& region, const Vec3d& cell) {
+/// moved  from the site's origin to the cell
+Slices write_region(GpuSite& to, const SiteRegion& region, const Vec3d& cell, double moved) {
     double extent = 0;
     for (int k = 0; k < 3; ++k) {
         to.base_min[k] = static_cast<float>(region.base_min[k] - cell[k]);
@@ -100,10 +101,15 @@ Slices write_region(GpuSite& to, const SiteRegion& region, const Vec3d& cell) {
     to.lateral_slope = region.lateral_slope;
     const double height = std::max(-region.low, region.high);
     const double reach = region.lateral + region.lateral_slope * height;
-    // 2: the region's samples and the cell may lie up to one off. Twice, since a distance is made
-    // of up to three functions.
-    const double range = std::min(extent + height + reach + 2, double{tile_size}) + height + reach;
-    to.error = static_cast<float>(2 * float_error(range));
+    // How far the tile's samples in the region are from the cell, along each axis; 2 for roundings
+    // of the region and of the cell to whole samples.
+    const double offset = std::min(extent + height + reach + 2, double{tile_size});
+    // The value at the cell: at most what the cell's distance from the site's origin makes it, and
+    // for the bases of sides the extent; or, where the value at a sample is within the band, what
+    // the offset makes it. Where that is larger, rounding in proportion leaves it large.
+    constexpr double root_3 = std::numbers::sqrt3;
+    const double value = std::min(moved + root_3 * (extent + 1), root_3 * offset + height + reach);
+    to.error = static_cast<float>(float_error(root_3 * offset + value));
     const double a = double{region.low} * region.direction[2];
     const double b = double{region.high} * region.direction[2];
     const double aside = reach * region.lateral_factor[2] + to.error;
@@ -155,7 +161,10 @@ std::vector<TileSite> sections_of_tile(const SiteArrays& sites, std::span<const 
         const Vec3d cell =
             Axis(at.origin(sites)).array().floor().matrix().cwiseMax(tile_min).cwiseMin(tile_max);
         GpuSite site{};
-        const Slices slices = write_region(site, sites.regions[number], cell);
+        const Slices slices =
+            write_region(site, sites.regions[number], cell, (cell - Axis(at.origin(sites))).norm());
+        // The distance to a line or a point is made of several functions.
+        if (at.kind != 0) site.error *= 2;
         const Index3 cell_in_tile = cell.cast<int>() - first_sample;
         const int first = std::max(0, static_cast<int>(std::ceil(slices.low)) + cell_in_tile.z());
         const int last =

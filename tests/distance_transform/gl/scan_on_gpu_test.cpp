@@ -243,7 +243,7 @@ TEST(GpuScan, CandidatesThatOverflowAreDrawnAgain) {
     const auto context = gl::make_context({.backend = gl::Backend::Osmesa});
     const Prepared prepared(thin_plate(), 60, 20);
     const GpuScan narrow = prepared.on_gpu(*context, {.target_extent = 1});
-    EXPECT_GT(narrow.candidates / narrow.batches, 64 * 64 * 8 / 2);
+    EXPECT_GT(narrow.repeated_batches, 0);
     expect_same_bits(prepared.on_cpu(), narrow.blocks);
 }
 

@@ -50,8 +50,7 @@ std::vector<std::int32_t> sites_of_tile(const BandBlocks& band,
         sites.insert(sites.end(), of_block.begin(), of_block.end());
     }
     std::ranges::sort(sites);
-    const auto repeated = std::ranges::unique(sites);
-    sites.erase(repeated.begin(), repeated.end());
+    sites.erase(std::unique(sites.begin(), sites.end()), sites.end());
     return sites;
 }
 

@@ -17,6 +17,7 @@
 #include <cstring>
 #include <limits>
 #include <optional>
+#include <ostream>
 
 namespace isocast {
 namespace {
@@ -96,6 +97,10 @@ struct Case {
     int resolution;
     double half_width;
 };
+
+void PrintTo(const Case& c, std::ostream* out) {
+    *out << c.name << " at " << c.resolution << " within " << c.half_width;
+}
 
 std::string name_of_case(const testing::TestParamInfo<Case>& info) {
     std::string name = info.param.name;

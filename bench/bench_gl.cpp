@@ -127,7 +127,7 @@ int main(int argc, char** argv) {
     std::string backend = "auto";
     std::string shader_folder = "shaders";
     int resolution = 128;
-    int slab_height = 8;
+    int slab_height = 32;
     CLI::App app("Scan conversion on the GPU beside the CPU's");
     app.add_option("--bunny", bunny, "Mesh file for table 4.2");
     app.add_option("--backend", backend);

@@ -11,8 +11,8 @@
 namespace isocast {
 
 struct GpuScanOptions {
-    int slab_height = 8;      // slices drawn together: a multiple of 8 up to 64
-    int target_extent = 2048; // of the image that holds one batch of slabs' tiles, at most [pixels]
+    int slab_height = 32;     // slices drawn together: a multiple of 8 up to 64
+    int target_extent = 2048; // of the image that holds a batch: at most, but for one tile [pixels]
 };
 
 struct GpuScan {

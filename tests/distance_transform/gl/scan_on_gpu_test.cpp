@@ -178,7 +178,7 @@ TEST_F(GpuScanBatches, SlabsOfAnyHeightGiveTheSame) {
 TEST_F(GpuScanBatches, ImagesOfAnySizeGiveTheSame) {
     const GpuScan whole = prepared.on_gpu(*context);
     ASSERT_EQ(whole.batches, 1);
-    const GpuScan parts = prepared.on_gpu(*context, {.target_extent = 512});
+    const GpuScan parts = prepared.on_gpu(*context, {.slab_height = 8, .target_extent = 512});
     EXPECT_GT(parts.batches, 2);
     expect_same_bits(whole.blocks, parts.blocks);
 }

@@ -40,7 +40,7 @@ struct GpuScan {
 /// context   current on this thread
 /// winding   tells inside from outside; null leaves it to the sites' normals
 /// accuracy  the blocks of BlockTransform, to the last bit but for exact ties
-///           (GpuScan.HasTheSamplesOfTheCpu)
+///           (GpuScanOf.HasTheSamplesOfTheCpu)
 /// source    thesis section 4.2.4, where the slices' polygons and the vectors at their corners come
 ///           from the CPU for each slice, and signs from the triangle alone
 /// throws    InputError for unusable options, ResourceError if the GL's images or buffers

@@ -92,6 +92,17 @@ Differences differences(const FieldBlocks& a, const FieldBlocks& b, double voxel
     return result;
 }
 
+/// Same active samples and signs, and distances within 1e-5 voxel, what the project promises: both
+/// are rounded once to float from doubles.
+Differences expect_the_cpus_samples(const Prepared& prepared, const GpuScan& gpu) {
+    const Differences found = differences(prepared.on_cpu(), gpu.blocks, prepared.voxel_size);
+    EXPECT_GT(found.active, 10000);
+    EXPECT_EQ(found.activity, 0);
+    EXPECT_EQ(found.signs, 0);
+    EXPECT_LE(found.greatest_distance, 1e-5);
+    return found;
+}
+
 struct Case {
     std::string name;
     int resolution;
@@ -133,12 +144,7 @@ TEST_P(GpuScanOf, HasTheSamplesOfTheCpu) {
     if (!mesh) GTEST_SKIP() << "no " << GetParam().name << " in " << ISOCAST_SHARED_DATA;
     const Prepared prepared(*mesh, GetParam().resolution, GetParam().half_width);
     const GpuScan gpu = prepared.on_gpu(*context);
-    const Differences found = differences(prepared.on_cpu(), gpu.blocks, prepared.voxel_size);
-    EXPECT_GT(found.active, 0);
-    EXPECT_EQ(found.activity, 0);
-    EXPECT_EQ(found.signs, 0);
-    // 1e-5 voxel: what the project promises. Both are rounded once to float from doubles.
-    EXPECT_LE(found.greatest_distance, 1e-5);
+    const Differences found = expect_the_cpus_samples(prepared, gpu);
     RecordProperty("greatest_distance_voxels", std::to_string(found.greatest_distance));
     RecordProperty("values_with_other_bits", std::to_string(found.values));
     // Float tells nearly all samples' nearest sites apart: the exact distances are few.
@@ -204,7 +210,7 @@ TEST_F(GpuScanBatches, AnInterruptedScanLeavesTheContextUsable) {
                              prepared.half_width, prepared.voxel_size, {.target_extent = 512},
                              interrupt),
                  Interrupted);
-    expect_same_bits(prepared.on_cpu(), prepared.on_gpu(*context).blocks);
+    expect_the_cpus_samples(prepared, prepared.on_gpu(*context));
 }
 
 TEST_F(GpuScanBatches, RefusesSlabsThatAreNoWholeBlocks) {
@@ -234,11 +240,7 @@ TEST(GpuScan, SignsOfAThinPlateAreTheCpus) {
     const auto context = gl::make_context({.backend = gl::Backend::Osmesa});
     const Prepared prepared(mesh, 60, 5);
     const GpuScan gpu = prepared.on_gpu(*context);
-    const Differences found = differences(prepared.on_cpu(), gpu.blocks, prepared.voxel_size);
-    EXPECT_GT(found.active, 10000);
-    EXPECT_EQ(found.activity, 0);
-    EXPECT_EQ(found.signs, 0);
-    EXPECT_EQ(found.values, 0);
+    const Differences found = expect_the_cpus_samples(prepared, gpu);
     // Over both sheets both are candidates; a tenth of the band lies beside the plate.
     EXPECT_GT(static_cast<double>(gpu.candidates), 1.5 * static_cast<double>(found.active));
 }
@@ -249,7 +251,7 @@ TEST(GpuScan, CandidatesThatOverflowAreDrawnAgain) {
     const Prepared prepared(thin_plate(), 60, 20);
     const GpuScan narrow = prepared.on_gpu(*context, {.target_extent = 1});
     EXPECT_GT(narrow.repeated_batches, 0);
-    expect_same_bits(prepared.on_cpu(), narrow.blocks);
+    expect_the_cpus_samples(prepared, narrow);
 }
 
 /// Triangles far larger than the grid's blocks, and a field that spans many tiles.
@@ -261,12 +263,9 @@ TEST(GpuScan, HasTheSamplesOfTheCpuForLongTriangles) {
     const Prepared prepared(check(tetrahedron), 400, 3);
     const GpuScan gpu = prepared.on_gpu(*context, {.target_extent = 1024});
     EXPECT_GT(gpu.batches, 3);
-    const Differences found = differences(prepared.on_cpu(), gpu.blocks, prepared.voxel_size);
+    const Differences found = expect_the_cpus_samples(prepared, gpu);
     EXPECT_GT(found.active, 100000);
     EXPECT_LT(static_cast<double>(gpu.candidates), 1.1 * static_cast<double>(found.active));
-    EXPECT_EQ(found.activity, 0);
-    EXPECT_EQ(found.signs, 0);
-    EXPECT_LE(found.greatest_distance, 1e-5); // what the project promises
 }
 
 } // namespace

@@ -7,6 +7,7 @@
 #include "apps/parsed_option.h"
 #include "apps/verdict_json.h"
 #include "distance_transform/convert.h"
+#include "distance_transform/gl/scan_on_gpu.h"
 #include "volume/errors.h"
 #include "volume/files.h"
 #include "volume/sparsify.h"
@@ -25,6 +26,7 @@ namespace {
 enum class Method { Prism, Csc, KdTree };
 enum class PrismKind { Exact, Printed };
 enum class Extend { None, Full, Exact };
+enum class Device { Cpu, Gl };
 
 template<class Value>
 Value choice_from(std::string_view text,
@@ -64,12 +66,14 @@ struct ConvertCommand {
     Method method = Method::Prism;
     PrismKind prism = PrismKind::Exact;
     Extend extend = Extend::None;
+    Device device = Device::Cpu;
     bool closest = false;
     bool dry_run = false;
     double memory_bytes = std::numeric_limits<double>::infinity();
     std::size_t threads =
         tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
     bool json = false;
+    std::vector<std::filesystem::path> shader_folders = {};
 
     /// A full grid instead of a band, computed sample by sample.
     bool is_dense() const { return method == Method::KdTree || extend == Extend::Exact; }
@@ -106,6 +110,9 @@ std::vector<Job> jobs_of(const ConvertCommand& command) {
 void check_command(const ConvertCommand& command) {
     if (command.prism == PrismKind::Printed && command.method != Method::Prism)
         throw UsageError("--prism printed is a kind of --method prism");
+    if (command.device == Device::Gl &&
+        (command.method != Method::Prism || command.prism != PrismKind::Exact))
+        throw UsageError("--device gl goes with the default method");
     if (command.closest && (command.method != Method::Prism || command.extend != Extend::None ||
                             command.prism != PrismKind::Exact))
         throw UsageError("--closest goes with the default method and no --extend");
@@ -113,6 +120,22 @@ void check_command(const ConvertCommand& command) {
 
 std::vector<std::string> output_extensions() {
     return {".vdb", ".nrrd", ".mhd", ".vti"};
+}
+
+/// A context of its own, kept as long as the scanner.
+BandScanner gpu_scanner(const std::vector<std::filesystem::path>& shader_folders) {
+    const std::shared_ptr<gl::Context> context = gl::make_context();
+    const auto shaders = std::make_shared<gl::ShaderLibrary>(
+        std::vector{first_folder_of(shader_folders)});
+    return
+        [context, shaders](const Sites& sites, const BandBlocks& band, const WindingNumber* winding,
+                           double half_width_voxels, double voxel_size_world,
+                           std::int64_t& evaluations, const Progress& progress) {
+            GpuScan scan = scan_on_gpu(*context, *shaders, sites, band, winding, half_width_voxels,
+                                       voxel_size_world, {}, progress);
+            evaluations += scan.candidates;
+            return std::move(scan.blocks);
+        };
 }
 
 ConvertOptions options_for(const ConvertCommand& command, const CheckedMesh& mesh) {
@@ -129,6 +152,7 @@ ConvertOptions options_for(const ConvertCommand& command, const CheckedMesh& mes
             : voxel_size_for_resolution(bounding_box(mesh.mesh), command.resolution);
     options.half_width_voxels =
         command.band_world ? *command.band_world / options.voxel_size_world : command.band_voxels;
+    if (command.device == Device::Gl) options.scanner = gpu_scanner(command.shader_folders);
     return options;
 }
 
@@ -312,15 +336,23 @@ void add_method_options(CLI::App& app, ConvertCommand& command) {
         },
         "Beyond the band: none (default), full by fast sweeping, exact by kD-tree")
         ->type_name("HOW");
+    add_parsed(
+        app, "--device", command.device,
+        [](std::string_view text) {
+            return choice_from<Device>(text, {{"cpu", Device::Cpu}, {"gl", Device::Gl}});
+        },
+        "Where bands are scan converted: cpu (default), or gl, with the same result")
+        ->type_name("DEVICE");
     app.add_flag("--closest", command.closest,
                  "Also store the vector to the closest point, and the number of its feature");
 }
 
 } // namespace
 
-Verb convert_verb(CLI::App& program) {
+Verb convert_verb(CLI::App& program, std::vector<std::filesystem::path> shader_folders) {
     CLI::App* app = program.add_subcommand("convert", "Turn meshes into signed distance fields");
     const auto command = std::make_shared<ConvertCommand>();
+    command->shader_folders = std::move(shader_folders);
     app->add_option("IN", command->inputs, "Mesh files (.obj .ply .stl .off) or mesh:NAME")
         ->required();
     app->add_option("-o,--output", command->output, "Field to write (.vdb; dense: .nrrd .mhd .vti)")

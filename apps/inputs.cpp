@@ -101,4 +101,14 @@ int integer_from(std::string_view text) {
     return parsed<int>(text, "an integer");
 }
 
+std::filesystem::path first_folder_of(const std::vector<std::filesystem::path>& folders) {
+    std::vector<std::string> names;
+    for (const auto& folder : folders) {
+        if (std::filesystem::is_directory(folder)) return folder;
+        names.push_back(folder.string());
+    }
+    throw std::runtime_error(
+        fmt::format("no shaders: there is no folder {}", fmt::join(names, " and no ")));
+}
+
 } // namespace isocast

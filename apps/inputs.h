@@ -44,6 +44,9 @@ std::unique_ptr<FieldSource> read_field(const Input& input);
 ///             be written to
 void check_output(const std::filesystem::path& path, const std::vector<std::string>& extensions);
 
+/// throws  std::runtime_error if none of the folders exists
+std::filesystem::path first_folder_of(const std::vector<std::filesystem::path>& folders);
+
 /// A finite number, all of `text`.
 /// throws  UsageError
 double number_from(std::string_view text);

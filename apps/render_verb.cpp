@@ -80,16 +80,6 @@ double rate_from(std::string_view text) {
     return rate;
 }
 
-std::filesystem::path first_folder_of(const std::vector<std::filesystem::path>& folders) {
-    std::vector<std::string> names;
-    for (const auto& folder : folders) {
-        if (std::filesystem::is_directory(folder)) return folder;
-        names.push_back(folder.string());
-    }
-    throw std::runtime_error(
-        fmt::format("no shaders: there is no folder {}", fmt::join(names, " and no ")));
-}
-
 /// The last frame's report, with median pass times over all frames.
 FrameReport draw_frames(Renderer& renderer, const Camera& camera, const RenderCommand& command,
                         const ImageSet& wanted, const Progress& progress) {

@@ -20,9 +20,9 @@ struct Verb {
     std::function<void(Console&)> run;
 };
 
-/// mesh -> level set
-Verb convert_verb(CLI::App& program);
-/// field or mesh -> picture. The shaders are in the first of the folders that exists.
+/// meshes -> fields. Shaders, here and below, are in the first of the folders that exists.
+Verb convert_verb(CLI::App& program, std::vector<std::filesystem::path> shader_folders);
+/// field or mesh -> picture
 Verb render_verb(CLI::App& program, std::vector<std::filesystem::path> shader_folders);
 /// what a mesh or field file holds
 Verb info_verb(CLI::App& program);

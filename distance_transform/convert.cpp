@@ -64,8 +64,10 @@ void require_usable(const ConvertOptions& options) {
         throw InputError(fmt::format("a half width of {:.3g} is beyond what 32-bit floats hold; "
                                      "scale the mesh",
                                      half_width_world));
-    if (options.closest && options.method != BandMethod::Scan)
-        throw InputError("only scan conversion finds closest points");
+    if (options.closest && (options.method != BandMethod::Scan || options.scanner))
+        throw InputError("only scan conversion on the CPU finds closest points");
+    if (options.scanner && options.sign == SignMethod::Unsigned)
+        throw InputError("unsigned distances come from the CPU");
 }
 
 /// How signs are found, and why so.
@@ -108,10 +110,10 @@ void remove_empty(FieldBlocks& blocks) {
 }
 
 struct Band {
-    FieldBlocks blocks;
-    std::vector<ClosestBlock> closest;
-    double prepare_seconds;
-    std::int64_t distance_evaluations;
+    FieldBlocks blocks = {};
+    std::vector<ClosestBlock> closest = {};
+    double prepare_seconds = 0;
+    std::int64_t distance_evaluations = 0;
 };
 
 Band scan_band(const LatticeMesh& lattice, const MeshTopology& topology,
@@ -120,6 +122,14 @@ Band scan_band(const LatticeMesh& lattice, const MeshTopology& topology,
     const auto start = Clock::now();
     const Sites sites = voronoi_sites(lattice.mesh, topology, options.half_width_voxels);
     const BandBlocks found = find_band_blocks(sites, memory_bytes, progress);
+    if (options.scanner) {
+        Band band{.prepare_seconds = seconds_since(start)};
+        band.blocks =
+            options.scanner(sites, found, signs.winding, options.half_width_voxels,
+                            options.voxel_size_world, band.distance_evaluations, progress);
+        remove_empty(band.blocks);
+        return band;
+    }
     Band band{.blocks = FieldBlocks(found.blocks.size()),
               .closest = std::vector<ClosestBlock>(options.closest ? found.blocks.size() : 0),
               .prepare_seconds = seconds_since(start),

@@ -3,10 +3,12 @@
 #pragma once
 
 #include "distance_transform/checked_mesh.h"
+#include "distance_transform/winding_number.h"
 #include "volume/dense_field.h"
 #include "volume/progress.h"
 #include "volume/sparse_field.h"
 
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string_view>
@@ -32,12 +34,24 @@ enum class BandMethod {
     Csc            // characteristics/scan conversion after Mauch, one thread
 };
 
+struct Sites;
+struct BandBlocks;
+
+/// Blocks with exact distances at all samples of the band, at the places that BandBlocks gives
+/// them; signs by the winding number, or by the sites' normals if it is null. evaluations  grows by
+/// the number of distances computed
+using BandScanner = std::function<FieldBlocks(const Sites& sites, const BandBlocks& band,
+                                              const WindingNumber* winding,
+                                              double half_width_voxels, double voxel_size_world,
+                                              std::int64_t& evaluations, const Progress& progress)>;
+
 struct ConvertOptions {
     double voxel_size_world = 0;  // > 0
     double half_width_voxels = 3; // >= 1
     SignMethod sign = SignMethod::Auto;
     BandMethod method = BandMethod::Scan;
-    bool closest = false; // also find closest points and features; BandMethod::Scan only
+    bool closest = false;     // also find closest points and features; BandMethod::Scan only
+    BandScanner scanner = {}; // takes the place of the CPU's kernel in BandMethod::Scan
     /// What the field and the work on it may take; infinity stands for what the system says is
     /// available.
     double memory_bytes = std::numeric_limits<double>::infinity();

@@ -162,6 +162,19 @@ Framebuffer::Framebuffer(std::initializer_list<const Texture*> colours, std::str
                                   height_, status));
 }
 
+Framebuffer Framebuffer::without_attachments(int width, int height, std::string_view label) {
+    unsigned id = 0;
+    glCreateFramebuffers(1, &id);
+    Framebuffer framebuffer;
+    framebuffer.handle_ = Handle<delete_framebuffer>(id);
+    set_label(GL_FRAMEBUFFER, id, label);
+    glNamedFramebufferParameteri(id, GL_FRAMEBUFFER_DEFAULT_WIDTH, width);
+    glNamedFramebufferParameteri(id, GL_FRAMEBUFFER_DEFAULT_HEIGHT, height);
+    framebuffer.width_ = width;
+    framebuffer.height_ = height;
+    return framebuffer;
+}
+
 void Framebuffer::bind() const {
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, id());
     glViewport(0, 0, width_, height_);
@@ -184,6 +197,27 @@ VertexArray VertexArray::instanced_ivec4(const Buffer& records, std::string_view
     glVertexArrayAttribBinding(id, 0, 0);
     glVertexArrayBindingDivisor(id, 0, 1);
     glEnableVertexArrayAttrib(id, 0);
+    return array;
+}
+
+VertexArray VertexArray::instanced(const Buffer& records,
+                                   std::span<const AttributeType> attributes, const Buffer& indices,
+                                   std::string_view label) {
+    VertexArray array = without_attributes(label);
+    const unsigned id = array.handle_.id();
+    constexpr unsigned bytes = 16; // of an attribute
+    glVertexArrayVertexBuffer(id, 0, records.id(), 0,
+                              static_cast<GLsizei>(bytes * attributes.size()));
+    glVertexArrayBindingDivisor(id, 0, 1);
+    for (unsigned i = 0; i < attributes.size(); ++i) {
+        if (attributes[i] == AttributeType::Int4)
+            glVertexArrayAttribIFormat(id, i, 4, GL_INT, bytes * i);
+        else
+            glVertexArrayAttribFormat(id, i, 4, GL_FLOAT, GL_FALSE, bytes * i);
+        glVertexArrayAttribBinding(id, i, 0);
+        glEnableVertexArrayAttrib(id, i);
+    }
+    glVertexArrayElementBuffer(id, indices.id());
     return array;
 }
 

@@ -99,6 +99,8 @@ public:
     Framebuffer() = default;
     /// throws  GlError if the driver finds it incomplete
     Framebuffer(std::initializer_list<const Texture*> colours, std::string_view label);
+    /// For shaders that write to buffers alone.
+    static Framebuffer without_attachments(int width, int height, std::string_view label);
     unsigned id() const { return handle_.id(); }
 
     /// Draws go here from now on, over the whole of it.
@@ -110,6 +112,8 @@ private:
     int height_ = 0;
 };
 
+enum class AttributeType { Float4, Int4 };
+
 /// Vertex input: none, or one buffer of records.
 class VertexArray {
 public:
@@ -118,6 +122,10 @@ public:
     static VertexArray without_attributes(std::string_view label);
     /// Attribute 0: an ivec4 for each instance, tightly packed.
     static VertexArray instanced_ivec4(const Buffer& records, std::string_view label);
+    /// Attributes 0, 1, …: 16 bytes each, one after the other, for each instance; vertices by
+    /// `indices` of 16 bits.
+    static VertexArray instanced(const Buffer& records, std::span<const AttributeType> attributes,
+                                 const Buffer& indices, std::string_view label);
     void bind() const;
 
 private:

@@ -1,5 +1,6 @@
 // Every shader compiles, and every shader file is used.
 // SPDX-License-Identifier: MPL-2.0
+#include "distance_transform/gl/scan_on_gpu.h"
 #include "gl/context.h"
 #include "raycaster/passes.h"
 
@@ -12,13 +13,21 @@ namespace {
 
 const std::filesystem::path shader_folder = std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders";
 
+/// Of the raycaster and of the distance transform.
+std::vector<gl::ProgramKey> every_program() {
+    std::vector<gl::ProgramKey> keys = all_programs();
+    const std::vector<gl::ProgramKey> of_scan = scan_programs();
+    keys.insert(keys.end(), of_scan.begin(), of_scan.end());
+    return keys;
+}
+
 class Shaders : public testing::TestWithParam<gl::Backend> {};
 
 TEST_P(Shaders, AllCompile) {
     const auto context = gl::make_context({.backend = GetParam()});
     gl::ShaderLibrary shaders({shader_folder});
-    for (const gl::ProgramKey& key : all_programs()) EXPECT_NO_THROW(shaders.program(key));
-    EXPECT_EQ(shaders.compiled_program_count(), int(all_programs().size()));
+    for (const gl::ProgramKey& key : every_program()) EXPECT_NO_THROW(shaders.program(key));
+    EXPECT_EQ(shaders.compiled_program_count(), int(every_program().size()));
     EXPECT_GT(shaders.compiled_program_count(), 0);
 }
 
@@ -30,7 +39,7 @@ INSTANTIATE_TEST_SUITE_P(Backends, Shaders, testing::Values(gl::Backend::Egl, gl
 TEST(ShaderFiles, EveryOneIsPartOfAProgram) {
     const gl::ShaderLibrary shaders({shader_folder});
     std::set<std::string> used;
-    for (const gl::ProgramKey& key : all_programs())
+    for (const gl::ProgramKey& key : every_program())
         for (const std::string& entry_point : key.entry_points) {
             const auto files = shaders.expand(entry_point, key.defines).files;
             used.insert(files.begin(), files.end());

@@ -85,7 +85,7 @@ public:
         std::int64_t samples = 0;
         {
             FieldBlocks blocks(bands.blocks.size());
-            const BlockTransform transform(sites.arrays(), nullptr, half_width, voxel);
+            const BlockTransform transform(sites.arrays(), BlockSigns{}, half_width, voxel);
             tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
                 const BandBlock& of_band = bands.blocks[i];
                 FieldBlock& block = *std::construct_at(&blocks[of_band.place]);

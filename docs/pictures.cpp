@@ -1,5 +1,5 @@
-// Draws the slices, and builds the prisms, that docs/distance_transform.md shows: docs_pictures
-// FOLDER. SPDX-License-Identifier: MPL-2.0
+// docs_pictures FOLDER: the slices, and the prisms as meshes, of distance_transform.md.
+// SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/convert.h"
 #include "distance_transform/kd_dense.h"
 #include "distance_transform/mesh_files.h"

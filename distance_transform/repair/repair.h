@@ -1,5 +1,5 @@
-// Closed, oriented meshes from open ones and soups, by CGAL: programs that link this are under the
-// GPL. SPDX-License-Identifier: MPL-2.0
+// Closed, oriented meshes from soups, by CGAL: programs that link this are under the GPL.
+// SPDX-License-Identifier: MPL-2.0
 #pragma once
 
 #include "distance_transform/mesh.h"

@@ -9,8 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
+#include <filesystem>
 #include <random>
 
 namespace isocast::test {
@@ -90,8 +89,9 @@ TEST(Repair, OrientsASoupOfFlippedTriangles) {
     expect_solid(repaired);
     EXPECT_EQ(repaired.mesh.vertices_world.size(), knot.vertices_world.size());
     EXPECT_EQ(repaired.mesh.triangles.size(), knot.triangles.size());
-    // A sum of 2,880 terms in another order: their number times the rounding of double.
-    EXPECT_NEAR(volume(repaired.mesh), volume(knot), 2880 * 1e-16 * std::abs(volume(knot)) * 10);
+    // 2,880 terms, each below 1 (positions below 4.5, edges near 0.3), summed in another order: as
+    // many roundings of sums below 2,880.
+    EXPECT_NEAR(volume(repaired.mesh), volume(knot), 2880 * 2880 * 2.2e-16 / 6);
 }
 
 TEST(Repair, TurnsASolidThatIsInsideOut) {
@@ -100,6 +100,16 @@ TEST(Repair, TurnsASolidThatIsInsideOut) {
     const RepairedMesh repaired = repair(reversed);
     expect_solid(repaired);
     EXPECT_EQ(volume(repaired.mesh), 1);
+}
+
+TEST(Repair, MakesACavityOfAShellInsideAnother) {
+    Mesh nested = unit_cube({0, 0, 0});
+    for (Vec3d& p : nested.vertices_world) p *= 4;
+    append(nested, unit_cube({1, 1, 1}));
+    EXPECT_EQ(volume(nested), 64 + 1);
+    const RepairedMesh repaired = repair(nested);
+    expect_solid(repaired);
+    EXPECT_EQ(volume(repaired.mesh), 64 - 1);
 }
 
 TEST(Repair, RemovesDuplicateAndDegenerateTriangles) {

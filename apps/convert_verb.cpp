@@ -4,6 +4,7 @@
 #include "apps/console.h"
 #include "apps/convert_report.h"
 #include "apps/inputs.h"
+#include "apps/mesh_repair.h"
 #include "apps/parsed_option.h"
 #include "apps/verdict_json.h"
 #include "distance_transform/convert.h"
@@ -68,6 +69,7 @@ struct ConvertCommand {
     Extend extend = Extend::None;
     Device device = Device::Cpu;
     bool closest = false;
+    bool repair = false;
     bool dry_run = false;
     double memory_bytes = std::numeric_limits<double>::infinity();
     std::size_t threads =
@@ -234,7 +236,11 @@ ConvertReport run_job(const ConvertCommand& command, const Job& job, Console& co
     const Progress progress = console.progress();
     Stopwatch step;
     progress("reading", 0);
-    const CheckedMesh mesh = read_checked_mesh(input);
+    CheckedMesh mesh = read_checked_mesh(input);
+    if (command.repair) {
+        progress("repairing", 0);
+        mesh = repaired(mesh);
+    }
     ConvertReport report{.input = job.input,
                          .output = job.output,
                          .verdict = mesh.verdict,
@@ -361,6 +367,8 @@ Verb convert_verb(CLI::App& program, std::vector<std::filesystem::path> shader_f
         ->type_name("DIR");
     add_accuracy_options(*app, *command);
     add_method_options(*app, *command);
+    app->add_flag("--repair", command->repair,
+                  "First close holes and orient triangles (builds with ISOCAST_REPAIR)");
     app->add_flag("--dry-run", command->dry_run,
                   "Only say what it would take, in memory and in time");
     add_parsed(*app, "--max-memory", command->memory_bytes, bytes_from,

@@ -44,8 +44,9 @@ struct Prepared {
     }
 
     FieldBlocks on_cpu() const {
-        const BlockTransform transform(sites.arrays(), winding ? &*winding : nullptr, half_width,
-                                       voxel_size);
+        const BlockTransform transform(sites.arrays(),
+                                       BlockSigns{.winding = winding ? &*winding : nullptr},
+                                       half_width, voxel_size);
         FieldBlocks blocks(band.blocks.size());
         for (const BandBlock& of_band : band.blocks) {
             FieldBlock& block = *std::construct_at(&blocks[of_band.place]);

@@ -19,19 +19,13 @@ namespace {
 
 using namespace isocast;
 
-/// Median of `repeats` runs after one to warm up [s].
-template<class Work>
-double median_seconds(int repeats, const Work& work) {
-    work();
-    std::vector<double> seconds;
-    for (int i = 0; i < repeats; ++i) {
-        const auto start = std::chrono::steady_clock::now();
-        work();
-        seconds.push_back(
-            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-    }
-    std::ranges::nth_element(seconds, seconds.begin() + repeats / 2);
-    return seconds[repeats / 2];
+double median(std::vector<double> values) {
+    std::ranges::nth_element(values, values.begin() + std::ssize(values) / 2);
+    return values[values.size() / 2];
+}
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 struct VdbInput {
@@ -59,32 +53,41 @@ void run_case(const Mesh& mesh, const Case& c, int repeats, bool with_openvdb) {
     const double half_width =
         c.half_width_voxels > 0 ? c.half_width_voxels : 0.1 * (c.resolution - 9);
     const ConvertOptions options{.voxel_size_world = voxel, .half_width_voxels = half_width};
+    // One run to warm up, then the median; what a run gives back is freed outside the time taken.
     std::optional<ConvertResult> result;
-    double check_seconds = 0;
-    double cpu_seconds = 0;
-    const double ours = median_seconds(repeats, [&] {
+    std::vector<double> total;
+    std::vector<double> cpu;
+    std::vector<double> checking;
+    for (int i = -1; i < repeats; ++i) {
+        result.reset();
         const std::clock_t cpu_start = std::clock();
         const auto start = std::chrono::steady_clock::now();
         const CheckedMesh checked = check(mesh);
-        check_seconds =
-            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        result.reset();
+        const double check_seconds = seconds_since(start);
         result.emplace(convert(checked, options));
-        cpu_seconds = double(std::clock() - cpu_start) / CLOCKS_PER_SEC;
-    });
+        if (i < 0) continue;
+        total.push_back(seconds_since(start));
+        cpu.push_back(double(std::clock() - cpu_start) / CLOCKS_PER_SEC);
+        checking.push_back(check_seconds);
+    }
+    const double ours = median(total);
     const double active = double(result->field.active_voxel_count());
     fmt::print(
         "{:<12} {:>5} {:>6.1f} {:>10.0f} {:>8.4f} {:>8.4f} {:>8.4f} {:>8.4f} {:>8.4f} {:>7.2f}",
-        c.name, c.resolution, half_width, active, ours, cpu_seconds, check_seconds,
+        c.name, c.resolution, half_width, active, ours, median(cpu), median(checking),
         result->time.prepare_seconds, result->time.transform_seconds,
         double(result->distance_evaluations) / active);
     if (with_openvdb) {
         const VdbInput input = vdb_input(mesh);
         const auto transform = openvdb::math::Transform::createLinearTransform(voxel);
-        const double theirs = median_seconds(repeats, [&] {
+        std::vector<double> taken;
+        for (int i = -1; i < repeats; ++i) {
+            const auto start = std::chrono::steady_clock::now();
             const auto grid = openvdb::tools::meshToLevelSet<openvdb::FloatGrid>(
                 *transform, input.points, input.triangles, float(half_width));
-        });
+            if (i >= 0) taken.push_back(seconds_since(start));
+        }
+        const double theirs = median(taken);
         fmt::print(" {:>8.4f} {:>7.1f}", theirs, theirs / ours);
     }
     fmt::print("\n");

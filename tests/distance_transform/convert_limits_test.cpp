@@ -135,7 +135,8 @@ TEST(ConvertLimits, UnusableOptionsAreNamed) {
 }
 
 TEST(ConvertLimits, SignMethodsKeepTheirNames) {
-    for (const SignMethod method : {SignMethod::Auto, SignMethod::Normal, SignMethod::Winding})
+    for (const SignMethod method :
+         {SignMethod::Auto, SignMethod::Normal, SignMethod::Winding, SignMethod::Unsigned})
         EXPECT_EQ(sign_method_from_name(name_of(method)), method);
 }
 
@@ -149,7 +150,7 @@ TEST(ConvertLimits, FieldsLargerThanMemoryAreRefusedAtOnce) {
     EXPECT_THAT(message({.voxel_size_world = 1e-3, .half_width_voxels = 1e5}),
                 HasSubstr("GiB of memory may be taken"));
     EXPECT_THAT(message({.voxel_size_world = 1e-9}), HasSubstr("would span"));
-    EXPECT_THAT(message({.voxel_size_world = 1, .half_width_voxels = 1e300}),
+    EXPECT_THAT(message({.voxel_size_world = 1, .half_width_voxels = 1e30}),
                 HasSubstr("would span"));
     // Far less than any of these would take; the estimates need milliseconds.
     EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));

@@ -109,6 +109,14 @@ void remove_empty(FieldBlocks& blocks) {
     std::erase_if(blocks, [](const FieldBlock& block) { return block.active.none(); });
 }
 
+/// Whether rounding to voxels has made one of two neighbouring vertices.
+bool has_merged_vertices(const Mesh& mesh) {
+    return std::ranges::any_of(mesh.triangles, [&](const std::array<int, 3>& t) {
+        const auto& at = mesh.vertices_world;
+        return at[t[0]] == at[t[1]] || at[t[1]] == at[t[2]] || at[t[2]] == at[t[0]];
+    });
+}
+
 struct Band {
     FieldBlocks blocks = {};
     std::vector<ClosestBlock> closest = {};
@@ -200,7 +208,15 @@ ConvertResult convert(const CheckedMesh& input, const ConvertOptions& options,
     const double half_width = options.half_width_voxels;
     const double background = half_width * options.voxel_size_world;
     const double memory = std::min(options.memory_bytes, available_memory_bytes());
-    const LatticeMesh lattice = on_lattice(input.mesh, options.voxel_size_world, half_width);
+    LatticeMesh lattice = on_lattice(input.mesh, options.voxel_size_world, half_width);
+    // Vertices nearer to each other than to the lattice's anchor by 2^53 are cleaned once more.
+    std::optional<CheckedMesh> merged;
+    if (has_merged_vertices(lattice.mesh)) {
+        merged = check(lattice.mesh);
+        lattice.mesh = merged->mesh;
+    }
+    const MeshTopology& topology = merged ? merged->topology : input.topology;
+    const MeshVerdict& verdict = merged ? merged->verdict : input.verdict;
     if (const double least = least_field_bytes(lattice.mesh, half_width); least > memory)
         refuse_memory(least, memory);
     if (std::isfinite(options.memory_bytes)) {
@@ -208,7 +224,7 @@ ConvertResult convert(const CheckedMesh& input, const ConvertOptions& options,
         if (expected > options.memory_bytes) refuse_memory(expected, options.memory_bytes);
     }
 
-    SignChoice sign = chosen_sign(input.verdict, options.sign);
+    SignChoice sign = chosen_sign(verdict, options.sign);
     if (options.method != BandMethod::Scan) {
         if (options.sign != SignMethod::Auto && options.sign != SignMethod::Normal)
             throw InputError(fmt::format("the methods kept for comparison find signs by normals, "
@@ -216,13 +232,13 @@ ConvertResult convert(const CheckedMesh& input, const ConvertOptions& options,
                                          name_of(options.sign)));
         sign = {SignMethod::Normal, "the method has no other"};
     }
-    const bool is_closed = input.verdict.is_closed() && input.verdict.is_oriented();
+    const bool is_closed = verdict.is_closed() && verdict.is_oriented();
     std::optional<WindingNumber> winding;
     if (sign.method == SignMethod::Winding) winding.emplace(lattice.mesh, is_closed);
     const BlockSigns block_signs{.is_signed = sign.method != SignMethod::Unsigned,
                                  .winding = winding ? &*winding : nullptr};
     Band band = options.method == BandMethod::Scan
-                    ? scan_band(lattice, input.topology, options, memory, block_signs, progress)
+                    ? scan_band(lattice, topology, options, memory, block_signs, progress)
                     : reference_band(lattice, options, memory, progress);
 
     if (options.sign == SignMethod::Auto && sign.method == SignMethod::Normal &&

@@ -226,7 +226,9 @@ private:
         const Vec3d& first = corner(triangle, longest);
         const Vec3d& apex = corner(triangle, longest + 2);
         const double length = std::sqrt(squared_length);
-        const Vec3d r = (corner(triangle, longest + 1) - first) / length;
+        // Corners that differ in the world can be one in voxels about a distant anchor.
+        const Vec3d r =
+            length > 0 ? Vec3d((corner(triangle, longest + 1) - first) / length) : Vec3d::UnitX();
         // The foot lies between the ends, but for rounding.
         const double left = std::clamp((apex - first).dot(r), 0.0, length);
         const Vec3d origin = first + left * r;
@@ -269,6 +271,7 @@ private:
         const std::array ends = {corner(halfedges[0] / 3, halfedges[0] % 3),
                                  corner(halfedges[0] / 3, halfedges[0] % 3 + 1)};
         const double length = (ends[1] - ends[0]).norm();
+        if (!(length > 0)) return empty_region(); // its ends are at the same place
         const Vec3d e = (ends[1] - ends[0]) / length;
         // Directions across the edge into its triangles: a nearest point's offset leads into none.
         Vec3d into = Vec3d::Zero();

@@ -47,7 +47,37 @@ TEST(HardMeshes, SingleLargeTriangleIsExactAndHasNoInside) {
     const Mesh mesh = tilted({{Vec3d(0, 0, 0), Vec3d(1, 0.1, 0), Vec3d(0.3, 0.9, 0)}, {{0, 1, 2}}});
     const ConvertResult result = expect_exact_conversion(mesh, 0.01, mesh, Sides::None);
     for (const FieldBlock& block : result.field.blocks())
-        ASSERT_TRUE(std::ranges::all_of(block.values, [](float value) { return value >= 0; })); // 0 at the corner that is a sample
+        // 0 at the corner that is a sample.
+        ASSERT_TRUE(std::ranges::all_of(block.values, [](float value) { return value >= 0; }));
+}
+
+// A corner and its neighbour 1e-30 away are two points of the world, and one in voxels from the
+// middle of the box.
+TEST(HardMeshes, VerticesThatRoundingMergesAreExact) {
+    Mesh mesh = box(Vec3d::Zero(), Vec3d(9.3, 7.1, 5.2));
+    const auto index_of = [&](const Vec3d& p) {
+        return static_cast<int>(std::ranges::find(mesh.vertices_world, p) -
+                                mesh.vertices_world.begin());
+    };
+    const int corner = index_of(Vec3d::Zero());
+    const int end = index_of(Vec3d(9.3, 0, 0));
+    const int added = static_cast<int>(mesh.vertices_world.size());
+    mesh.vertices_world.emplace_back(1e-30, 0, 0);
+    // Both triangles at that edge are split.
+    for (std::size_t t = 0, count = mesh.triangles.size(); t < count; ++t) {
+        for (int k = 0; k < 3; ++k) {
+            const std::array<int, 3> old = mesh.triangles[t];
+            const int a = old[k];
+            const int b = old[(k + 1) % 3];
+            if (!((a == corner && b == end) || (a == end && b == corner))) continue;
+            const int c = old[(k + 2) % 3];
+            mesh.triangles[t] = {a, added, c};
+            mesh.triangles.push_back({added, b, c});
+        }
+    }
+    ASSERT_EQ(mesh.triangles.size(), 14U);
+    ASSERT_TRUE(check(mesh).verdict.is_closed());
+    expect_exact_conversion(mesh, 0.7);
 }
 
 // Between samples, about one, and with a corner on one.

@@ -291,7 +291,7 @@ private:
         double slope = 0;
         if (halfedges.size() == 1 && noise < greatest_noise) {
             middle = -into.normalized();
-            low = 0;
+            low = -noise * half_width_; // a half cylinder that leans reaches below its foot
         } else if (halfedges.size() == 2 && noise < greatest_noise) {
             // The sum of two unit vectors: twice the sine of half the opening, away from it.
             const double sine = into.norm() / 2;
@@ -307,7 +307,7 @@ private:
                 if (middle.dot(into) > 0) middle = -middle;
                 // So flat that even the side may be in doubt.
                 low = sine < 1e-9 + noise ? -half_width_ : 0;
-                lateral = std::min(noise, 1.0) * half_width_;
+                lateral = noise * half_width_;
                 slope = tangent;
             }
         }

@@ -124,16 +124,15 @@ std::vector<std::string> output_extensions() {
     return {".vdb", ".nrrd", ".mhd", ".vti"};
 }
 
-/// A context of its own, kept as long as the scanner.
+/// Makes its context when a band is to be scanned, and gives it up after.
 BandScanner gpu_scanner(const std::vector<std::filesystem::path>& shader_folders) {
-    const std::shared_ptr<gl::Context> context = gl::make_context();
-    const auto shaders = std::make_shared<gl::ShaderLibrary>(
-        std::vector{first_folder_of(shader_folders)});
     return
-        [context, shaders](const Sites& sites, const BandBlocks& band, const WindingNumber* winding,
-                           double half_width_voxels, double voxel_size_world,
-                           std::int64_t& evaluations, const Progress& progress) {
-            GpuScan scan = scan_on_gpu(*context, *shaders, sites, band, winding, half_width_voxels,
+        [shader_folders](const Sites& sites, const BandBlocks& band, const WindingNumber* winding,
+                         double half_width_voxels, double voxel_size_world,
+                         std::int64_t& evaluations, const Progress& progress) {
+            const auto context = gl::make_context();
+            gl::ShaderLibrary shaders({first_folder_of(shader_folders)});
+            GpuScan scan = scan_on_gpu(*context, shaders, sites, band, winding, half_width_voxels,
                                        voxel_size_world, {}, progress);
             evaluations += scan.candidates;
             return std::move(scan.blocks);

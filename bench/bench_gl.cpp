@@ -15,7 +15,6 @@
 #include <chrono>
 #include <cstdio>
 #include <limits>
-#include <map>
 
 namespace {
 
@@ -23,35 +22,6 @@ using namespace isocast;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-/// The octahedron with each triangle cut into four `levels` times, on the unit sphere.
-Mesh sphere(int levels) {
-    Mesh mesh;
-    mesh.vertices_world = {Vec3d::UnitX(),  -Vec3d::UnitX(), Vec3d::UnitY(),
-                           -Vec3d::UnitY(), Vec3d::UnitZ(),  -Vec3d::UnitZ()};
-    mesh.triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
-                      {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
-    for (int level = 0; level < levels; ++level) {
-        std::map<std::pair<int, int>, int> middles;
-        const auto middle = [&](int a, int b) {
-            const auto [found, is_new] = middles.try_emplace(
-                std::minmax(a, b), static_cast<int>(mesh.vertices_world.size()));
-            if (is_new)
-                mesh.vertices_world.push_back(
-                    (mesh.vertices_world[a] + mesh.vertices_world[b]).normalized());
-            return found->second;
-        };
-        std::vector<std::array<int, 3>> finer;
-        for (const auto& [a, b, c] : mesh.triangles) {
-            const int ab = middle(a, b);
-            const int bc = middle(b, c);
-            const int ca = middle(c, a);
-            finer.insert(finer.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
-        }
-        mesh.triangles = std::move(finer);
-    }
-    return mesh;
 }
 
 class Bench {
@@ -152,17 +122,19 @@ int main(int argc, char** argv) {
             "and exact distances. candidates and sections for each sample of the band.\n");
         Bench bench(*context, shaders, slab_height);
         Bench::print_header("Table 4.2: models");
-        bench.row("sphere6", sphere(6), resolution, 0.1);
+        bench.row("sphere6", subdivided_sphere(6), resolution, 0.1);
         if (!bunny.empty()) bench.row("bunny", read_mesh(bunny), resolution, 0.1);
         bench.row("knot", sample_mesh("knot"), resolution, 0.1);
         Bench::print_header("Table 4.3: size of the mesh");
         for (const int levels : {4, 5, 6, 7})
-            bench.row("sphere" + std::to_string(levels), sphere(levels), resolution, 0.1);
+            bench.row("sphere" + std::to_string(levels), subdivided_sphere(levels), resolution,
+                      0.1);
         Bench::print_header("Table 4.4: width of the band");
         for (const double band : {0.1, 0.2, 0.4, 0.8})
-            bench.row("sphere6", sphere(6), resolution, band);
+            bench.row("sphere6", subdivided_sphere(6), resolution, band);
         Bench::print_header("Table 4.5: resolution");
-        for (int n = 64; n <= resolution; n *= 2) bench.row("sphere6", sphere(6), n, 0.1);
+        for (int n = 64; n <= resolution; n *= 2)
+            bench.row("sphere6", subdivided_sphere(6), n, 0.1);
     } catch (const std::exception& error) {
         fmt::print(stderr, "bench_gl: {}\n", error.what());
         return 1;

@@ -6,42 +6,10 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <map>
 
 namespace {
 
 using namespace isocast;
-
-/// Every triangle in four, new vertices on the unit sphere.
-Mesh subdivided(const Mesh& mesh) {
-    Mesh result{mesh.vertices_world, {}};
-    std::map<std::pair<int, int>, int> middles;
-    const auto middle = [&](int a, int b) {
-        const auto [at, is_new] =
-            middles.try_emplace(std::minmax(a, b), static_cast<int>(result.vertices_world.size()));
-        if (is_new)
-            result.vertices_world.push_back(
-                (mesh.vertices_world[a] + mesh.vertices_world[b]).normalized());
-        return at->second;
-    };
-    for (const auto& [a, b, c] : mesh.triangles) {
-        const int ab = middle(a, b);
-        const int bc = middle(b, c);
-        const int ca = middle(c, a);
-        result.triangles.insert(result.triangles.end(),
-                                {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
-    }
-    return result;
-}
-
-Mesh sphere(int levels) {
-    Mesh mesh{
-        {Vec3d(1, 0, 0), Vec3d(-1, 0, 0), Vec3d(0, 1, 0), Vec3d(0, -1, 0), Vec3d(0, 0, 1),
-         Vec3d(0, 0, -1)},
-        {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}}};
-    for (int i = 0; i < levels; ++i) mesh = subdivided(mesh);
-    return mesh;
-}
 
 struct Timing {
     double seconds;
@@ -83,8 +51,8 @@ int main() {
     fmt::print("{:<28} {:>10} {:>12} {:>9} {:>8} {:>8} {:>9} {:>7}\n", "", "triangles", "samples",
                "scan s", "ns/samp.", "evals", "CSC s", "ratio");
     for (int levels = 4; levels <= 7; ++levels)
-        print_row("mesh size, 256, band 0.1", sphere(levels), 256, 0.1);
-    const Mesh sphere6 = sphere(6);
+        print_row("mesh size, 256, band 0.1", subdivided_sphere(levels), 256, 0.1);
+    const Mesh sphere6 = subdivided_sphere(6);
     for (const double band : {0.1, 0.2, 0.4, 0.8})
         print_row(fmt::format("band {}, 256", band), sphere6, 256, band);
     for (const int resolution : {64, 128, 256, 512, 1024})

@@ -3,7 +3,6 @@
 #include "distance_transform/block_transform.h"
 
 #include "distance_transform/block_signs.h"
-#include "distance_transform/convert.h"
 
 namespace isocast {
 

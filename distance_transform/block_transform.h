@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
+#include "distance_transform/closest_block.h"
 #include "distance_transform/scan_kernel.h"
 #include "distance_transform/winding_number.h"
 #include "volume/sparse_field.h"
@@ -9,8 +10,6 @@
 #include <span>
 
 namespace isocast {
-
-struct ClosestBlock;
 
 /// How the samples of a block get their signs.
 struct BlockSigns {

@@ -3,7 +3,6 @@
 #include "distance_transform/checked_mesh.h"
 
 #include "distance_transform/orientation.h"
-
 #include "volume/errors.h"
 
 #include <fmt/format.h>

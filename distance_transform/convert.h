@@ -3,6 +3,7 @@
 #pragma once
 
 #include "distance_transform/checked_mesh.h"
+#include "distance_transform/closest_block.h"
 #include "distance_transform/winding_number.h"
 #include "volume/dense_field.h"
 #include "volume/progress.h"
@@ -55,14 +56,6 @@ struct ConvertOptions {
     /// What the field and the work on it may take; infinity stands for what the system says is
     /// available.
     double memory_bytes = std::numeric_limits<double>::infinity();
-};
-
-/// The closest point of the mesh, and what it lies on, for each sample of a block.
-struct ClosestBlock {
-    /// From the sample to the closest point [world]; 0 where inactive.
-    std::array<Eigen::Vector3f, samples_per_block> offset_world;
-    /// Faces by number, then edges, then vertices of the cleaned mesh; -1 where inactive.
-    std::array<std::int32_t, samples_per_block> feature;
 };
 
 struct ConvertResult {

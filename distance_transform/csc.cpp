@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/csc.h"
 
+#include "distance_transform/band_blocks.h"
 #include "distance_transform/convex_scan.h"
 #include "distance_transform/one_rings.h"
 #include "distance_transform/progress_meter.h"
@@ -124,7 +125,8 @@ private:
     BlockDistances& distances_of(const Index3& block) {
         BlockDistances& own = blocks_[{block.z(), block.y(), block.x()}];
         const std::size_t bytes = blocks_.size() * (sizeof(BlockDistances) + sizeof(FieldBlock));
-        if (static_cast<double>(bytes) > memory_bytes_) refuse_memory(bytes, memory_bytes_);
+        if (static_cast<double>(bytes) > memory_bytes_)
+            refuse_memory(static_cast<double>(bytes), memory_bytes_);
         return own;
     }
 

@@ -18,4 +18,15 @@ WorldBox bounding_box(const Mesh& mesh) {
     return box;
 }
 
+Vec3d face_normal(const Mesh& mesh, int triangle) {
+    std::array<Vec3d, 3> edges;
+    int longest = 0;
+    for (int k = 0; k < 3; ++k) {
+        edges[k] = mesh.vertices_world[mesh.triangles[triangle][(k + 1) % 3]] -
+                   mesh.vertices_world[mesh.triangles[triangle][k]];
+        if (edges[k].squaredNorm() > edges[longest].squaredNorm()) longest = k;
+    }
+    return edges[(longest + 1) % 3].cross(edges[(longest + 2) % 3]).stableNormalized();
+}
+
 } // namespace isocast

@@ -24,4 +24,8 @@ struct WorldBox {
 /// Box of the vertices that triangles use. Needs at least one triangle.
 WorldBox bounding_box(const Mesh& mesh);
 
+/// Unit normal of a triangle, 0 if it has no area; from the two shorter edges, whose cross product
+/// rounds least.
+Vec3d face_normal(const Mesh& mesh, int triangle);
+
 } // namespace isocast

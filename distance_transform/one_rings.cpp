@@ -15,18 +15,6 @@ namespace {
 // of a vertex that is a thousand edge lengths from the origin.
 constexpr double flat_sine = 1e-10;
 
-/// Unit normal; from the two shorter edges, whose cross product rounds least.
-Vec3d face_normal(const Mesh& mesh, int triangle) {
-    std::array<Vec3d, 3> edges;
-    int longest = 0;
-    for (int k = 0; k < 3; ++k) {
-        edges[k] = mesh.vertices_world[mesh.triangles[triangle][(k + 1) % 3]] -
-                   mesh.vertices_world[mesh.triangles[triangle][k]];
-        if (edges[k].squaredNorm() > edges[longest].squaredNorm()) longest = k;
-    }
-    return edges[(longest + 1) % 3].cross(edges[(longest + 2) % 3]).stableNormalized();
-}
-
 std::vector<int> twins_of(const Mesh& mesh) {
     const MeshTopology topology = topology_of(mesh);
     std::vector<int> twins(topology.halfedges.size(), -1);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/open_mesh_signs.h"
 
+#include "distance_transform/block_signs.h"
 #include "distance_transform/progress_meter.h"
 #include "volume/errors.h"
 
@@ -16,10 +17,6 @@ namespace isocast {
 namespace {
 
 constexpr int last = block_size - 1;
-
-Index3 sample_of(int i) {
-    return {i % block_size, i / block_size % block_size, i / (block_size * block_size)};
-}
 
 int index_of(const Index3& sample) {
     return sample.x() + block_size * (sample.y() + block_size * sample.z());

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/printed_prisms.h"
 
+#include "distance_transform/band_blocks.h"
 #include "distance_transform/point_triangle.h"
 #include "distance_transform/progress_meter.h"
 #include "distance_transform/pseudonormals.h"
@@ -64,7 +65,8 @@ public:
 
 private:
     void require_memory(std::size_t bytes) const {
-        if (static_cast<double>(bytes) > memory_bytes_) refuse_memory(bytes, memory_bytes_);
+        if (static_cast<double>(bytes) > memory_bytes_)
+            refuse_memory(static_cast<double>(bytes), memory_bytes_);
     }
 
     std::array<Vec3d, 3> corners_of(int triangle) const {

@@ -8,20 +8,6 @@
 
 namespace isocast {
 
-namespace {
-
-/// Unit normal; from the two shorter edges, whose cross product rounds least.
-Vec3d face_normal(const std::array<Vec3d, 3>& corners) {
-    const std::array<Vec3d, 3> edges = {corners[1] - corners[0], corners[2] - corners[1],
-                                        corners[0] - corners[2]};
-    int longest = 0;
-    for (int k = 1; k < 3; ++k)
-        if (edges[k].squaredNorm() > edges[longest].squaredNorm()) longest = k;
-    return edges[(longest + 1) % 3].cross(edges[(longest + 2) % 3]).stableNormalized();
-}
-
-} // namespace
-
 Pseudonormals::Pseudonormals(const Mesh& mesh, const MeshTopology& topology)
     : of_face_(mesh.triangles.size()), of_edge_(topology.edge_count(), Vec3d::Zero()),
       of_fan_(topology.fan_count, Vec3d::Zero()), edge_of_halfedge_(topology.halfedges.size()),
@@ -31,7 +17,7 @@ Pseudonormals::Pseudonormals(const Mesh& mesh, const MeshTopology& topology)
         for (std::size_t t = range.begin(); t < range.end(); ++t) {
             std::array<Vec3d, 3> corners;
             for (int k = 0; k < 3; ++k) corners[k] = mesh.vertices_world[mesh.triangles[t][k]];
-            of_face_[t] = face_normal(corners);
+            of_face_[t] = face_normal(mesh, static_cast<int>(t));
             for (int k = 0; k < 3; ++k) {
                 const Vec3d u = corners[(k + 1) % 3] - corners[k];
                 const Vec3d v = corners[(k + 2) % 3] - corners[k];

@@ -31,14 +31,6 @@ FieldBlock BlockDistances::to_block(const Index3& coordinate, double half_width_
     return block;
 }
 
-void refuse_memory(std::size_t bytes, double memory_bytes) {
-    constexpr double gibibyte = 0x1p30;
-    throw ResourceError(fmt::format(
-        "the reference method needs more than {:.3g} GiB, and {:.3g} GiB of memory are available; "
-        "use a larger voxel size or a narrower band",
-        static_cast<double>(bytes) / gibibyte, memory_bytes / gibibyte));
-}
-
 BandErrors band_errors(std::span<const FieldBlock> exact, std::span<const FieldBlock> other,
                        double voxel_size_world) {
     BandErrors errors;

@@ -32,9 +32,6 @@ struct BlockDistances {
                         double voxel_size_world) const;
 };
 
-/// throws  ResourceError that says so
-[[noreturn]] void refuse_memory(std::size_t bytes, double memory_bytes);
-
 /// How a band differs from the exact one, sample by sample.
 struct BandErrors {
     std::int64_t samples = 0; // active in the exact band

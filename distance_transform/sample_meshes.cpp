@@ -18,36 +18,6 @@ namespace {
 
 constexpr double two_pi = 2 * std::numbers::pi;
 
-/// Octahedron, each triangle cut into four six times, vertices pushed onto the unit sphere:
-/// 4^7 + 2 = 16,386 vertices.
-Mesh sphere6() {
-    Mesh mesh;
-    mesh.vertices_world = {Vec3d::UnitX(),  -Vec3d::UnitX(), Vec3d::UnitY(),
-                           -Vec3d::UnitY(), Vec3d::UnitZ(),  -Vec3d::UnitZ()};
-    mesh.triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
-                      {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
-    for (int level = 0; level < 6; ++level) {
-        std::map<std::pair<int, int>, int> middles;
-        const auto middle = [&](int a, int b) {
-            const auto [found, is_new] = middles.try_emplace(
-                std::minmax(a, b), static_cast<int>(mesh.vertices_world.size()));
-            if (is_new)
-                mesh.vertices_world.push_back(
-                    (mesh.vertices_world[a] + mesh.vertices_world[b]).normalized());
-            return found->second;
-        };
-        std::vector<std::array<int, 3>> finer;
-        for (const auto& [a, b, c] : mesh.triangles) {
-            const int ab = middle(a, b);
-            const int bc = middle(b, c);
-            const int ca = middle(c, a);
-            finer.insert(finer.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
-        }
-        mesh.triangles = std::move(finer);
-    }
-    return mesh;
-}
-
 /// One cross section of a tube: the circle centre + radius (cos phi u + sin phi v), with u x v
 /// along the tube.
 struct Section {
@@ -150,10 +120,50 @@ struct SampleMesh {
     Mesh (*make)();
 };
 
-constexpr std::array samples = {SampleMesh{"sphere6", sphere6}, SampleMesh{"torus", torus},
-                                SampleMesh{"knot", knot}, SampleMesh{"seashell", seashell}};
+constexpr std::array samples = {SampleMesh{"sphere6", [] { return subdivided_sphere(6); }},
+                                SampleMesh{"torus", torus}, SampleMesh{"knot", knot},
+                                SampleMesh{"seashell", seashell}};
 
 } // namespace
+
+Mesh subdivided(const Mesh& mesh) {
+    Mesh finer{mesh.vertices_world, {}};
+    std::map<std::pair<int, int>, int> middles;
+    const auto middle = [&](int a, int b) {
+        const auto [found, is_new] =
+            middles.try_emplace(std::minmax(a, b), static_cast<int>(finer.vertices_world.size()));
+        if (is_new)
+            finer.vertices_world.emplace_back((mesh.vertices_world[a] + mesh.vertices_world[b]) /
+                                              2);
+        return found->second;
+    };
+    for (const auto& [a, b, c] : mesh.triangles) {
+        const int ab = middle(a, b);
+        const int bc = middle(b, c);
+        const int ca = middle(c, a);
+        finer.triangles.insert(finer.triangles.end(),
+                               {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
+    }
+    return finer;
+}
+
+Mesh octahedron() {
+    return {
+        {Vec3d::UnitX(), -Vec3d::UnitX(), Vec3d::UnitY(), -Vec3d::UnitY(), Vec3d::UnitZ(),
+         -Vec3d::UnitZ()},
+        {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}}};
+}
+
+Mesh subdivided_sphere(int levels) {
+    Mesh mesh = octahedron();
+    for (int level = 0; level < levels; ++level) {
+        const std::size_t before = mesh.vertices_world.size();
+        mesh = subdivided(mesh);
+        for (std::size_t v = before; v < mesh.vertices_world.size(); ++v)
+            mesh.vertices_world[v].normalize();
+    }
+    return mesh;
+}
 
 std::vector<std::string> sample_mesh_names() {
     std::vector<std::string> names;

@@ -16,4 +16,14 @@ std::vector<std::string> sample_mesh_names();
 /// throws    InputError that lists the known names
 Mesh sample_mesh(std::string_view name);
 
+/// The corners (±1, 0, 0), (0, ±1, 0), (0, 0, ±1).
+Mesh octahedron();
+
+/// Every triangle cut into four at the middles of its edges; new vertices follow the old ones.
+Mesh subdivided(const Mesh& mesh);
+
+/// Octahedron subdivided `levels` times, new vertices pushed onto the unit sphere each time:
+/// 4^(levels + 1) + 2 vertices.
+Mesh subdivided_sphere(int levels);
+
 } // namespace isocast

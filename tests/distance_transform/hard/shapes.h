@@ -2,11 +2,10 @@
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
-#include "distance_transform/mesh.h"
+#include "distance_transform/sample_meshes.h"
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <numeric>
 #include <random>
@@ -56,35 +55,9 @@ inline Mesh tilted(const Mesh& mesh) {
     return mapped(mesh, [&](const Vec3d& p) { return Vec3d(rotation * p); });
 }
 
-/// The corners (±1, 0, 0), (0, ±1, 0), (0, 0, ±1).
-inline Mesh octahedron() {
-    return {
-        {Vec3d::UnitX(), -Vec3d::UnitX(), Vec3d::UnitY(), -Vec3d::UnitY(), Vec3d::UnitZ(),
-         -Vec3d::UnitZ()},
-        {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}}};
-}
-
 /// Every triangle cut into four at the middles of its edges, `times` over.
 inline Mesh subdivided(Mesh mesh, int times) {
-    for (; times > 0; --times) {
-        std::map<std::pair<int, int>, int> middles;
-        const auto middle = [&](int a, int b) {
-            const auto [entry, is_new] = middles.try_emplace(
-                std::minmax(a, b), static_cast<int>(mesh.vertices_world.size()));
-            if (is_new)
-                mesh.vertices_world.emplace_back((mesh.vertices_world[a] + mesh.vertices_world[b]) /
-                                                 2);
-            return entry->second;
-        };
-        std::vector<Triangle> finer;
-        for (const auto& [a, b, c] : mesh.triangles) {
-            const int ab = middle(a, b);
-            const int bc = middle(b, c);
-            const int ca = middle(c, a);
-            finer.insert(finer.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
-        }
-        mesh.triangles = std::move(finer);
-    }
+    for (; times > 0; --times) mesh = isocast::subdivided(mesh);
     return mesh;
 }
 

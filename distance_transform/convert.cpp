@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/convert.h"
 
-#include "distance_transform/band_blocks.h"
-#include "distance_transform/block_transform.h"
+#include "distance_transform/band_tiles.h"
 #include "distance_transform/csc.h"
 #include "distance_transform/kd_dense.h"
 #include "distance_transform/lattice.h"
@@ -11,6 +10,7 @@
 #include "distance_transform/printed_prisms.h"
 #include "distance_transform/progress_meter.h"
 #include "distance_transform/sign_check.h"
+#include "distance_transform/tile_transform.h"
 #include "volume/errors.h"
 
 #include <fmt/format.h>
@@ -104,17 +104,27 @@ SignChoice chosen_sign(const MeshVerdict& verdict, SignMethod wanted) {
     return {SignMethod::Normal, "the mesh is closed and oriented"};
 }
 
-/// Removes blocks without an active sample; few are, so that most of the array is moved.
-void remove_empty(FieldBlocks& blocks) {
-    std::erase_if(blocks, [](const FieldBlock& block) { return block.active.none(); });
-}
-
 /// Whether rounding to voxels has made one of two neighbouring vertices.
 bool has_merged_vertices(const Mesh& mesh) {
     return std::ranges::any_of(mesh.triangles, [&](const std::array<int, 3>& t) {
         const auto& at = mesh.vertices_world;
         return at[t[0]] == at[t[1]] || at[t[1]] == at[t[2]] || at[t[2]] == at[t[0]];
     });
+}
+
+/// Item from[i] becomes item i, without a second copy of them all.
+void reorder(std::vector<ClosestBlock>& items, std::vector<std::uint32_t> from) {
+    for (std::uint32_t start = 0; start < from.size(); ++start) {
+        if (from[start] == start) continue;
+        const ClosestBlock first = items[start];
+        std::uint32_t to = start;
+        while (from[to] != start) {
+            items[to] = items[from[to]];
+            to = std::exchange(from[to], to);
+        }
+        items[to] = first;
+        from[to] = to;
+    }
 }
 
 struct Band {
@@ -125,43 +135,32 @@ struct Band {
 };
 
 Band scan_band(const LatticeMesh& lattice, const MeshTopology& topology,
-               const ConvertOptions& options, double memory_bytes, BlockSigns signs,
+               const ConvertOptions& options, double memory_bytes, BandSigns signs,
                const Progress& progress) {
     const auto start = Clock::now();
-    const Sites sites = voronoi_sites(lattice.mesh, topology, options.half_width_voxels);
-    const BandBlocks found = find_band_blocks(sites, memory_bytes, progress);
+    const Sites sites(lattice.mesh, topology, options.half_width_voxels);
+    const BandTiles found = find_band_tiles(sites, memory_bytes, progress);
+    Band band{.prepare_seconds = seconds_since(start)};
     if (options.scanner) {
-        Band band{.prepare_seconds = seconds_since(start)};
-        band.blocks =
-            options.scanner(sites, found, signs.winding, options.half_width_voxels,
-                            options.voxel_size_world, band.distance_evaluations, progress);
-        remove_empty(band.blocks);
+        band.blocks = options.scanner(sites, found, signs.winding, options.voxel_size_world,
+                                      band.distance_evaluations, progress);
         return band;
     }
-    Band band{.blocks = FieldBlocks(found.blocks.size()),
-              .closest = std::vector<ClosestBlock>(options.closest ? found.blocks.size() : 0),
-              .prepare_seconds = seconds_since(start),
-              .distance_evaluations = 0};
-    const BlockTransform transform(sites.arrays(), signs, options.half_width_voxels,
-                                   options.voxel_size_world);
-    ProgressMeter meter(progress, "transform", static_cast<double>(found.blocks.size()), 16);
+    band.blocks.resize(found.block_count);
+    band.closest.resize(options.closest ? found.block_count : 0);
+    TileTransform transform(sites, signs, options.voxel_size_world);
+    ProgressMeter meter(progress, "transform", static_cast<double>(found.tiles.size()), 16);
+    std::atomic<std::size_t> block_count = 0;
     std::atomic<std::int64_t> evaluations = 0;
-    tbb::parallel_for(std::size_t{0}, found.blocks.size(), [&](std::size_t i) {
-        const BandBlock& wanted = found.blocks[i];
-        FieldBlock& block = *std::construct_at(&band.blocks[wanted.place]);
-        block.coordinate = wanted.coordinate;
-        evaluations += transform.run(block, found.sites(wanted),
-                                     options.closest ? &band.closest[wanted.place] : nullptr);
+    tbb::parallel_for(std::size_t{0}, found.tiles.size(), [&](std::size_t i) {
+        const BandTile& tile = found.tiles[i];
+        evaluations +=
+            transform.run(tile, found.sites_of(tile), band.blocks, band.closest, block_count);
         meter.add(1);
     });
     band.distance_evaluations = evaluations;
-    if (options.closest) {
-        std::size_t next = 0;
-        for (std::size_t i = 0; i < band.blocks.size(); ++i)
-            if (band.blocks[i].active.any()) band.closest[next++] = band.closest[i];
-        band.closest.resize(next);
-    }
-    remove_empty(band.blocks);
+    band.blocks.resize(block_count);
+    if (options.closest) band.closest.resize(block_count);
     return band;
 }
 
@@ -235,10 +234,10 @@ ConvertResult convert(const CheckedMesh& input, const ConvertOptions& options,
     const bool is_closed = verdict.is_closed() && verdict.is_oriented();
     std::optional<WindingNumber> winding;
     if (sign.method == SignMethod::Winding) winding.emplace(lattice.mesh, is_closed);
-    const BlockSigns block_signs{.is_signed = sign.method != SignMethod::Unsigned,
-                                 .winding = winding ? &*winding : nullptr};
+    const BandSigns band_signs{.is_signed = sign.method != SignMethod::Unsigned,
+                                .winding = winding ? &*winding : nullptr};
     Band band = options.method == BandMethod::Scan
-                    ? scan_band(lattice, topology, options, memory, block_signs, progress)
+                    ? scan_band(lattice, topology, options, memory, band_signs, progress)
                     : reference_band(lattice, options, memory, progress);
 
     if (options.sign == SignMethod::Auto && sign.method == SignMethod::Normal &&
@@ -259,7 +258,10 @@ ConvertResult convert(const CheckedMesh& input, const ConvertOptions& options,
             throw InputError("closest points of a mesh that is not closed need --sign unsigned: "
                              "the signs reach beyond the band");
     }
-    for (FieldBlock& block : band.blocks) block.coordinate += lattice.anchor / block_size;
+    tbb::parallel_for(std::size_t{0}, band.blocks.size(), [&](std::size_t i) {
+        band.blocks[i].coordinate += lattice.anchor / block_size;
+    });
+    if (options.closest) reorder(band.closest, zyx_order(band.blocks));
     const Outside outside =
         sign.method == SignMethod::Unsigned ? Outside::Background : Outside::SignedBackground;
     return {
@@ -294,10 +296,10 @@ ConvertEstimate estimate(const CheckedMesh& input, const ConvertOptions& options
     const auto triangles = static_cast<double>(input.mesh.triangles.size());
     const double closest = options.closest ? sizeof(ClosestBlock) : 0;
     result.field_bytes = result.blocks * (sizeof(FieldBlock) + closest);
-    // A face, an edge and a half, half a vertex; and their numbers in the blocks' lists.
-    const double site_bytes = 3 * sizeof(SiteRegion) + sizeof(FaceSite) + 1.5 * sizeof(EdgeSite) +
-                              0.5 * sizeof(VertexSite);
-    const double per_block = sizeof(BandBlock) + sizeof(std::uint32_t);
+    // A face, an edge and a half, half a vertex; each in two tiles, by number and as a pair.
+    const double site_bytes = sizeof(FaceNormal) + 1.5 * sizeof(EdgeData) + 0.5 * sizeof(FanData) +
+                              3 * 2 * 3 * sizeof(std::int32_t);
+    const double per_block = sizeof(std::uint32_t);
     result.peak_bytes =
         result.field_bytes + triangles * (site_bytes + 200) + result.blocks * per_block;
     return result;

@@ -35,16 +35,16 @@ enum class BandMethod {
     Csc            // characteristics/scan conversion after Mauch, one thread
 };
 
-struct Sites;
-struct BandBlocks;
+class Sites;
+struct BandTiles;
 
-/// Blocks with exact distances at all samples of the band, at the places that BandBlocks gives
-/// them; signs by the winding number, or by the sites' normals if it is null. evaluations  grows by
-/// the number of distances computed
-using BandScanner = std::function<FieldBlocks(const Sites& sites, const BandBlocks& band,
-                                              const WindingNumber* winding,
-                                              double half_width_voxels, double voxel_size_world,
-                                              std::int64_t& evaluations, const Progress& progress)>;
+/// Blocks with exact distances at all samples of the band, in any order; signs by the winding
+/// number, or by the sites' normals if it is null. evaluations  grows by the number of distances
+/// computed
+using BandScanner =
+    std::function<FieldBlocks(const Sites& sites, const BandTiles& band,
+                              const WindingNumber* winding, double voxel_size_world,
+                              std::int64_t& evaluations, const Progress& progress)>;
 
 struct ConvertOptions {
     double voxel_size_world = 0;  // > 0

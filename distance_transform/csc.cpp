@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/csc.h"
 
-#include "distance_transform/band_blocks.h"
+#include "distance_transform/band_tiles.h"
 #include "distance_transform/convex_scan.h"
 #include "distance_transform/one_rings.h"
 #include "distance_transform/progress_meter.h"

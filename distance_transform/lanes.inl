@@ -136,4 +136,68 @@ ISOCAST_INLINE unsigned bits(const Mask<T>& m) {
     return result;
 }
 
+/// Rounds to float.
+ISOCAST_INLINE void store_floats(float* p, const Lanes<double>& a) {
+    constexpr int n = Lanes<double>::native_lanes;
+    typedef float Narrow __attribute__((vector_size(n * int(sizeof(float)))));
+    for (int k = 0; k < Lanes<double>::part_count; ++k) {
+        const Narrow narrow = __builtin_convertvector(a.part[k], Narrow);
+        __builtin_memcpy(p + n * k, &narrow, sizeof narrow);
+    }
+}
+
+/// With the sign turned of lane i where bit i is set.
+ISOCAST_INLINE Lanes<float> negated(const Lanes<float>& a, unsigned which) {
+    using Native = Mask<float>::Native;
+    Lanes<float> result;
+    for (int k = 0; k < Mask<float>::part_count; ++k) {
+        Native bit;
+        for (int i = 0; i < Mask<float>::native_lanes; ++i)
+            bit[i] = 1 << (k * Mask<float>::native_lanes + i);
+        const Native is_set = (bit & int(which)) != 0;
+        result.part[k] = (Lanes<float>::Native)((Native)a.part[k] ^ (is_set & (-2147483647 - 1)));
+    }
+    return result;
+}
+
+/// Exchanges lanes j with bit `s` set of rows without it for those of rows with it.
+template<int s>
+ISOCAST_INLINE void exchange(Lanes<double>::Native& a, Lanes<double>::Native& b) {
+    constexpr int n = Lanes<double>::native_lanes;
+    Mask<double>::Native low;
+    Mask<double>::Native high;
+    for (int j = 0; j < n; ++j) {
+        low[j] = j & s ? n + j - s : j;
+        high[j] = j & s ? n + j : j + s;
+    }
+    const auto first = __builtin_shuffle(a, b, low);
+    b = __builtin_shuffle(a, b, high);
+    a = first;
+}
+
+/// Lane j of row i becomes lane i of row j.
+ISOCAST_INLINE void transpose(Lanes<double> (&rows)[lanes]) {
+    constexpr int n = Lanes<double>::native_lanes;
+    constexpr int parts = Lanes<double>::part_count;
+    // Squares of n x n, each within itself; then they change places.
+    for (int part = 0; part < parts; ++part) {
+        for (int i = 0; i < lanes; ++i)
+            if (!(i & 1)) exchange<1>(rows[i].part[part], rows[i + 1].part[part]);
+        if constexpr (n > 2)
+            for (int i = 0; i < lanes; ++i)
+                if (!(i & 2)) exchange<2>(rows[i].part[part], rows[i + 2].part[part]);
+        if constexpr (n > 4)
+            for (int i = 0; i < lanes; ++i)
+                if (!(i & 4)) exchange<4>(rows[i].part[part], rows[i + 4].part[part]);
+    }
+    for (int i = 0; i < lanes; ++i) {
+        for (int part = i / n + 1; part < parts; ++part) {
+            auto& other = rows[part * n + i % n].part[i / n];
+            const auto first = rows[i].part[part];
+            rows[i].part[part] = other;
+            other = first;
+        }
+    }
+}
+
 #undef ISOCAST_PARTS

@@ -110,6 +110,9 @@ MeshTopology topology_of(const Mesh& mesh) {
     }
     topology.edge_begin.push_back(static_cast<std::uint32_t>(corner_count));
     tbb::parallel_invoke([&] { find_fans(mesh, topology); }, [&] { count_shells(mesh, topology); });
+    Buckets fans = buckets_of(topology.fan_of_corner.size(), std::size_t(topology.fan_count), [&](std::size_t c) { return topology.fan_of_corner[c]; });
+    topology.fan_corners = std::move(fans.order);
+    topology.fan_begin = std::move(fans.begin);
     return topology;
 }
 

@@ -19,6 +19,11 @@ struct MeshTopology {
     /// The fan of corner 3 t + k: triangles around its vertex that connect through edges at it.
     std::vector<int> fan_of_corner;
     int fan_count = 0;
+    std::vector<std::uint32_t> fan_corners;
+    std::vector<std::uint32_t> fan_begin;
+    std::span<const std::uint32_t> fan(std::size_t f) const {
+        return std::span(fan_corners).subspan(fan_begin[f], fan_begin[f + 1] - fan_begin[f]);
+    }
     /// Components of triangles that connect through edges.
     int shell_count = 0;
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/printed_prisms.h"
 
-#include "distance_transform/band_blocks.h"
+#include "distance_transform/band_tiles.h"
 #include "distance_transform/point_triangle.h"
 #include "distance_transform/progress_meter.h"
 #include "distance_transform/pseudonormals.h"

@@ -1,18 +1,18 @@
-// Which kernel this machine runs.
+// Which kernels this machine runs.
 // SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/scan_kernel.h"
 
 namespace isocast {
 
 namespace baseline {
-std::int64_t scan(const ScanInput& input, ScanOutput& output);
+extern const ScanKernels kernels;
 }
 #ifdef ISOCAST_X86_KERNELS
 namespace avx2 {
-std::int64_t scan(const ScanInput& input, ScanOutput& output);
+extern const ScanKernels kernels;
 }
 namespace avx512 {
-std::int64_t scan(const ScanInput& input, ScanOutput& output);
+extern const ScanKernels kernels;
 }
 #endif
 
@@ -40,13 +40,13 @@ InstructionSet best_instruction_set() {
     return InstructionSet::Baseline;
 }
 
-ScanKernel scan_kernel(InstructionSet set) {
+const ScanKernels& scan_kernels(InstructionSet set) {
 #ifdef ISOCAST_X86_KERNELS
-    if (set == InstructionSet::Avx512) return avx512::scan;
-    if (set == InstructionSet::Avx2) return avx2::scan;
+    if (set == InstructionSet::Avx512) return avx512::kernels;
+    if (set == InstructionSet::Avx2) return avx2::kernels;
 #endif
     static_cast<void>(set);
-    return baseline::scan;
+    return baseline::kernels;
 }
 
 } // namespace isocast

@@ -8,5 +8,7 @@
 namespace isocast::avx512 {
 #include "distance_transform/lanes.inl"
 
+#include "distance_transform/site_lanes.inl"
+
 #include "distance_transform/scan_kernel.inl"
 } // namespace isocast::avx512

@@ -18,7 +18,8 @@ namespace {
 class SignCheck {
 public:
     SignCheck(const FieldBlocks& blocks, double voxel_size)
-        : blocks_(blocks), least_sum_(voxel_size * (1 + 1e-5)), // 1e-5: rounding to float
+        : blocks_(blocks), order_(zyx_order(blocks)),
+          least_sum_(voxel_size * (1 + 1e-5)), // 1e-5: rounding to float
           coordinates_(blocks.size()), negative_(blocks.size()) {}
 
     bool run() {
@@ -26,8 +27,8 @@ public:
         const tbb::blocked_range<std::size_t> all(0, blocks_.size(), grain);
         tbb::parallel_for(all, [&](const auto& range) {
             for (std::size_t b = range.begin(); b < range.end(); ++b) {
-                coordinates_[b] = blocks_[b].coordinate;
-                negative_[b] = negative_bits(blocks_[b]);
+                coordinates_[b] = block(b).coordinate;
+                negative_[b] = negative_bits(block(b));
             }
         });
         std::atomic<bool> is_consistent = true;
@@ -38,6 +39,8 @@ public:
     }
 
 private:
+    const FieldBlock& block(std::size_t b) const { return blocks_[order_[b]]; }
+
     /// Blocks begin … end - 1 with their neighbours at higher x, y and z.
     bool fits(std::size_t begin, std::size_t end) const {
         for (int axis = 0; axis < 3; ++axis) {
@@ -72,7 +75,7 @@ private:
             const int stride = axis == 0 ? 1 : axis == 1 ? block_size : block_size * block_size;
             for (; changes != 0; changes &= changes - 1) {
                 const int i = 64 * z + std::countr_zero(changes);
-                if (are_far(blocks_[b].values[i], blocks_[b].values[i + stride])) return false;
+                if (are_far(block(b).values[i], block(b).values[i + stride])) return false;
             }
         }
         return true;
@@ -87,7 +90,7 @@ private:
             const int near = k % block_size * u + k / block_size * v;
             const int far = near + (block_size - 1) * stride;
             if (negative_[b][far] != negative_[neighbour][near] &&
-                are_far(blocks_[b].values[far], blocks_[neighbour].values[near]))
+                are_far(block(b).values[far], block(neighbour).values[near]))
                 return false;
         }
         return true;
@@ -98,12 +101,13 @@ private:
         const Index3& here = coordinates_[b];
         const bool is_row_end =
             b + 1 == blocks_.size() || coordinates_[b + 1].tail<2>() != here.tail<2>();
-        const bool is_inside = is_inside_beyond(blocks_[b]);
+        const bool is_inside = is_inside_beyond(block(b));
         if (is_row_end) return !is_inside;
         return coordinates_[b + 1].x() == here.x() + 1 || is_inside == negative_[b + 1][0];
     }
 
     const FieldBlocks& blocks_;
+    std::vector<std::uint32_t> order_; // by z, y, x: the numbers of blocks below are places in it
     double least_sum_;
     // Apart from the samples, so that the search touches little memory.
     std::vector<Index3> coordinates_;

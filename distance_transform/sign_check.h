@@ -14,8 +14,6 @@ namespace isocast {
 /// for it to pass between them, where a row of missing blocks ends with another sign than it
 /// begins, or where it leaves the box inside: the surface intersects itself, or a shell is inside
 /// out.
-///
-/// blocks  sorted by z, y, x
 bool signs_are_consistent(const FieldBlocks& blocks, double voxel_size_world);
 
 /// Gives all samples the sign of the winding number, and keeps their distances.

@@ -1,4 +1,4 @@
-// The faces, edges and vertices of a mesh as the scan kernels read them.
+// A mesh as the scan kernels read it: its faces, edges and fans, the Voronoi sites.
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
@@ -10,73 +10,87 @@ namespace isocast {
 // inline function of a library may be (the linker would keep any one of its copies). Positions are
 // in voxels from the lattice's anchor.
 
+/// What a face's neighbours need of it.
+struct FaceNormal {
+    double normal[3];
+    double noise; // how far it may be off, from rounding of the corners [radians]
+};
+
+/// An edge of one triangle or more.
+struct EdgeData {
+    std::int32_t ends[2];
+    std::int32_t faces[2]; // of two triangles at most: see `kind`
+    enum : std::int32_t {
+        Border,   // of faces[0] alone
+        Opposed,  // of two that run along it in opposite directions, faces[0] from ends[0]
+        Parallel, // of two that both run from ends[0] to ends[1]
+        Junction  // of more; faces[0] is the number of the sum of their normals
+    } kind;
+};
+
+/// A vertex, once for each fan of triangles around it.
+struct FanData {
+    double normal[3]; // angle-weighted; its length means nothing
+    /// With h along the normal: an offset h n + l leads along no edge only if |l| <= slope_above h,
+    /// or |l| <= - slope_below h. Negative where there is no bound.
+    double slope_above;
+    double slope_below;
+    std::int32_t vertex;
+};
+
+/// A mesh with all its sites: faces first, then edges, then fans.
+struct SiteArrays {
+    const double (*vertices)[3];
+    const std::int32_t (*triangles)[3];
+    const FaceNormal* faces;
+    const EdgeData* edges;
+    const double (*junctions)[3];
+    const FanData* fans;
+    std::int32_t face_count;
+    std::int32_t edge_count;
+    std::int32_t fan_count;
+    double half_width;
+};
+
 /// Where a site can hold the nearest point of the mesh: a convex bound of the tower of a face, the
 /// wedge of an edge or the cone of a vertex (thesis figure 4.3), cut off at the half width.
 ///
 ///     point = base + height * direction + offset across it
 ///
 ///     low <= height <= high, |offset| <= lateral + lateral_slope * |height|
+struct SiteRegion {
+    double base_min[3]; // box of the triangle, segment or point
+    double base_max[3];
+    double direction[3]; // unit, and positive along `axis`
+    double low;          // > high if the region is empty
+    double high;
+    double lateral;
+    double lateral_slope;
+    double lateral_factor[3]; // how much of the offset can lie along each axis
+    std::int32_t axis;        // of the greatest component of `direction`
+};
+
+/// A linear function of a tile's samples, by steps along the column's axis k and along the two
+/// after it. All that evaluate it do so as k * along_k + ((first + v * along_v) + u * along_u), so
+/// that they get the same bits.
+struct SampleFunction {
+    double first; // at the tile's first sample
+    double along_k;
+    double along_u;
+    double along_v;
+};
+
+/// A site as a tile's samples see it.
 ///
-/// In float: the bound is widened by what that rounds.
-struct alignas(64) SiteRegion {
-    float base_min[3]; // box of the triangle, segment or point
-    float base_max[3];
-    float direction[3]; // unit, and positive along `axis`
-    float low;
-    float high;
-    float lateral;
-    float lateral_slope;
-    std::int32_t axis; // of the greatest component of `direction`
-    std::int32_t strip_count;
-    // So far a line of the processor's caches.
-    float lateral_factor[3]; // how much of the offset can lie along each axis
-    /// Two parallel planes along `axis` between which the region's projection lies:
-    /// low <= across[0] * x_u + across[1] * x_v <= high for the base, u and v the axes after
-    /// `axis`.
-    struct Strip {
-        float across[2];
-        float low;
-        float high;
-        float lean;   // how much a height adds
-        float factor; // how much of the offset adds
-    };
-    Strip strips[4];
-};
-
-/// A face: the orthonormal frame of the thesis's figure 4.9. r runs along the longest side, s to
-/// the apex, t along the normal; the corners are (-b, 0), (a, 0) and (0, h), all of a, b, h >= 0.
-struct FaceSite {
-    double origin[3]; // foot of the apex on the longest side
-    double r[3];
-    double s[3];
-    double t[3];
-    /// Of the side from (base, 0) to the apex: the distance outwards is
-    /// sine * (|r| - base) + cosine * s.
-    struct Side {
-        double base;
-        double cosine;
-        double sine;
-    };
-    Side right;
-    Side left;
-};
-
-/// An edge: e along it, x and y across.
-struct EdgeSite {
-    double origin[3];
-    double e[3];
-    double x[3];
-    double y[3];
-    double length;
-    double normal_x; // of the pseudonormal
+/// A face: its signed height, and the distances outwards over its three sides. An edge: two
+/// coordinates across it, and one along it. A vertex: the function of which the side is the sign,
+/// and the offsets along k, u and v.
+struct TileSite {
+    SiteRegion region; // from the tile's first sample
+    SampleFunction functions[4];
+    double length;   // of an edge
+    double normal_x; // of an edge's pseudonormal, along the two coordinates across
     double normal_y;
-};
-
-/// A vertex, once for each fan of triangles around it.
-struct VertexSite {
-    double origin[3];
-    double normal[3];    // of the fan
-    std::int32_t number; // of the vertex
 };
 
 } // namespace isocast

@@ -18,29 +18,6 @@ namespace isocast {
 
 namespace {
 
-/// Sorts by z, y, x without a second copy of the samples.
-void sort_blocks(FieldBlocks& blocks) {
-    const auto coordinate = [&](std::size_t i) -> const Index3& { return blocks[i].coordinate; };
-    if (std::ranges::is_sorted(blocks, zyx_less, &FieldBlock::coordinate)) return;
-    std::vector<std::size_t> from(blocks.size());
-    std::iota(from.begin(), from.end(), std::size_t{0});
-    tbb::parallel_sort(from.begin(), from.end(), [&](std::size_t a, std::size_t b) {
-        return zyx_less(coordinate(a), coordinate(b));
-    });
-    // Follow each cycle of the permutation once: place i takes the block at from[i].
-    for (std::size_t start = 0; start < from.size(); ++start) {
-        if (from[start] == start) continue;
-        const FieldBlock first = blocks[start];
-        std::size_t to = start;
-        while (from[to] != start) {
-            blocks[to] = blocks[from[to]];
-            to = std::exchange(from[to], to);
-        }
-        blocks[to] = first;
-        from[to] = to;
-    }
-}
-
 int ceil_div(std::int64_t a, std::int64_t b) {
     return static_cast<int>(a >= 0 ? (a + b - 1) / b : -(-a / b));
 }
@@ -52,6 +29,23 @@ IndexBox blocks_over(const IndexBox& box) {
             (floor_div((box.hi.array() - 1).matrix(), block_size).array() + 1).matrix()};
 }
 
+std::vector<std::uint32_t> zyx_order(std::span<const FieldBlock> blocks) {
+    struct Place {
+        Index3 coordinate;
+        std::uint32_t block;
+    };
+    std::vector<Place> places(blocks.size());
+    tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
+        places[i] = {blocks[i].coordinate, static_cast<std::uint32_t>(i)};
+    });
+    tbb::parallel_sort(places, [](const Place& a, const Place& b) {
+        return zyx_less(a.coordinate, b.coordinate);
+    });
+    std::vector<std::uint32_t> order(blocks.size());
+    std::ranges::transform(places, order.begin(), &Place::block);
+    return order;
+}
+
 SparseField::SparseField(GridSpace space, double background_world, Outside outside,
                          FieldBlocks blocks)
     : space_(std::move(space)), background_world_(background_world), outside_(outside),
@@ -60,12 +54,13 @@ SparseField::SparseField(GridSpace space, double background_world, Outside outsi
         throw InputError(fmt::format("a signed distance field needs a background above 0, not {}",
                                      background_world_));
     }
-    sort_blocks(blocks_);
+    order_ = zyx_order(blocks_);
     coordinates_.resize(blocks_.size());
     ranges_.resize(blocks_.size());
     tbb::parallel_for(std::size_t{0}, blocks_.size(), [&](std::size_t i) {
-        coordinates_[i] = blocks_[i].coordinate;
-        const auto [min, max] = std::ranges::minmax(blocks_[i].values);
+        const FieldBlock& block = blocks_[order_[i]];
+        coordinates_[i] = block.coordinate;
+        const auto [min, max] = std::ranges::minmax(block.values);
         ranges_[i] = {min, max};
     });
     const auto twice = std::ranges::adjacent_find(coordinates_);
@@ -103,7 +98,7 @@ std::vector<IndexBox> SparseField::active_boxes() const {
 
 float SparseField::value_beyond(std::size_t block) const {
     const auto background = static_cast<float>(background_world_);
-    const bool inside = outside_ == Outside::SignedBackground && is_inside_beyond(blocks_[block]);
+    const bool inside = outside_ == Outside::SignedBackground && is_inside_beyond(blocks()[block]);
     return inside ? -background : background;
 }
 
@@ -188,7 +183,7 @@ void SparseField::copy_box(const IndexBox& box, int level, std::span<float> out)
                     for_each_row(
                         coordinates_[i].x(), coordinates_[i].x() + 1,
                         [&](std::span<float> to, int x, int y, int z) {
-                            const float* from = &blocks_[i].values[static_cast<std::size_t>(
+                            const float* from = &blocks()[i].values[static_cast<std::size_t>(
                                 x - lo.x() +
                                 block_size * (y - lo.y() + block_size * (z - lo.z())))];
                             for (float& value : to) {

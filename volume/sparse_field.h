@@ -8,6 +8,7 @@
 #include <array>
 #include <bitset>
 #include <compare>
+#include <ranges>
 
 namespace isocast {
 
@@ -52,9 +53,12 @@ inline bool is_inside_beyond(const FieldBlock& block) {
 /// The blocks that hold the samples of `box` [block coordinates].
 IndexBox blocks_over(const IndexBox& box);
 
+/// The numbers of the blocks by z, then y, then x of their coordinates.
+std::vector<std::uint32_t> zyx_order(std::span<const FieldBlock> blocks);
+
 class SparseField final : public FieldSource {
 public:
-    /// blocks            in any order, each coordinate once
+    /// blocks            in any order, each coordinate once, fewer than 2^32
     /// background_world  > 0: the half width for signed distance fields
     /// throws            InputError if a block occurs twice, or a signed field has no half width
     SparseField(GridSpace space, double background_world, Outside outside, FieldBlocks blocks);
@@ -73,8 +77,12 @@ public:
 
     double background_world() const { return background_world_; }
     Outside outside() const { return outside_; }
-    /// Sorted by z, then y, then x of the coordinate.
-    std::span<const FieldBlock> blocks() const { return blocks_; }
+    /// A range with random access, sorted by z, then y, then x of the coordinate.
+    auto blocks() const {
+        return std::views::transform(order_, [this](std::uint32_t i) -> const FieldBlock& {
+            return blocks_[i];
+        });
+    }
     std::int64_t active_voxel_count() const;
 
 private:
@@ -88,8 +96,9 @@ private:
     GridSpace space_;
     double background_world_;
     Outside outside_;
-    FieldBlocks blocks_;
-    // Per block, apart from the samples so that a search touches little memory.
+    FieldBlocks blocks_; // as they came: their samples are not moved
+    std::vector<std::uint32_t> order_;
+    // Per block in order, apart from the samples so that a search touches little memory.
     std::vector<Index3> coordinates_;
     std::vector<ValueRange> ranges_;
     IndexBox extent_;

@@ -89,7 +89,7 @@ vdb::math::Transform::Ptr to_transform(const GridSpace& space) {
 void fill_inside(const SparseField& field, vdb::FloatTree& tree) {
     const float inside = -static_cast<float>(field.background_world());
     vdb::tree::ValueAccessor<vdb::FloatTree> accessor(tree);
-    const std::span<const FieldBlock> blocks = field.blocks();
+    const auto blocks = field.blocks();
     const int x_end = floor_div(field.extent().hi, block_size).x();
     for (std::size_t i = 0; i < blocks.size(); ++i) {
         if (!is_inside_beyond(blocks[i])) continue;
@@ -116,7 +116,7 @@ typename Grid::Ptr grid_beside(const SparseField& field, const std::string& name
     const auto grid = Grid::create();
     grid->setName(name);
     grid->setTransform(to_transform(field.space()));
-    const std::span<const FieldBlock> blocks = field.blocks();
+    const auto blocks = field.blocks();
     std::vector<std::unique_ptr<Leaf>> leaves(blocks.size());
     tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
         auto leaf = std::make_unique<Leaf>(to_coord(block_size * blocks[i].coordinate));
@@ -160,7 +160,7 @@ vdb::FloatGrid::Ptr to_vdb_grid(const SparseField& field) {
     grid->setName("surface");
     grid->setGridClass(is_signed ? vdb::GRID_LEVEL_SET : vdb::GRID_UNKNOWN);
     grid->setTransform(to_transform(field.space()));
-    const std::span<const FieldBlock> blocks = field.blocks();
+    const auto blocks = field.blocks();
     std::vector<std::unique_ptr<Leaf>> leaves(blocks.size());
     tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
         auto leaf = std::make_unique<Leaf>(to_coord(block_size * blocks[i].coordinate));

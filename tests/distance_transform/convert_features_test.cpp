@@ -1,9 +1,10 @@
 // What convert() offers beside the signed band: closest points, unsigned fields, full grids,
 // estimates, and the same bits from every instruction set.
 // SPDX-License-Identifier: MPL-2.0
-#include "distance_transform/band_blocks.h"
+#include "distance_transform/band_tiles.h"
 #include "distance_transform/brute_force.h"
 #include "distance_transform/lattice.h"
+#include "distance_transform/pseudonormals.h"
 #include "distance_transform/sample_meshes.h"
 #include "distance_transform/sites.h"
 #include "fields.h"
@@ -192,34 +193,85 @@ TEST(Sweep, KeepsTheBandAndContinuesItAtSlopeOne) {
     EXPECT_THROW(extend_by_sweeping(band.field, {}), InputError);
 }
 
+/// Columns of one tile, with the numbers of sites.
+struct TileMemory {
+    std::vector<double> memory = std::vector<double>(6 * TileColumns::count);
+    TileColumns columns{};
+
+    TileMemory() {
+        for (int axis = 0; axis < 3; ++axis) {
+            columns.signed_square[axis] = &memory[axis * TileColumns::count];
+            columns.site[axis] = &memory[(3 + axis) * TileColumns::count];
+        }
+    }
+};
+
 class ScanKernel : public ::testing::TestWithParam<InstructionSet> {};
 
 TEST_P(ScanKernel, ComputesTheBitsOfTheBaseline) {
     if (!is_available(GetParam())) GTEST_SKIP() << "this machine lacks the instruction set";
+    for (const std::string name : {"knot", "seashell"}) { // the seashell has borders
+        const CheckedMesh mesh = check(sample_mesh(name));
+        const LatticeMesh lattice =
+            on_lattice(mesh.mesh, voxel_size_for_resolution(bounding_box(mesh.mesh), 50), 4);
+        const Sites sites(lattice.mesh, mesh.topology, 4, InstructionSet::Baseline);
+        const Sites others(lattice.mesh, mesh.topology, 4, GetParam());
+        for (int f = 0; f < sites.arrays().fan_count; ++f) {
+            const FanData& fan = sites.arrays().fans[f];
+            const FanData& other = others.arrays().fans[f];
+            ASSERT_TRUE(std::ranges::equal(fan.normal, other.normal));
+            ASSERT_EQ(fan.slope_above, other.slope_above);
+            ASSERT_EQ(fan.slope_below, other.slope_below);
+        }
+        const BandTiles band = find_band_tiles(sites, 1e9, {});
+        ASSERT_EQ(find_band_tiles(others, 1e9, {}).sites, band.sites);
+        TileMemory tile_memory;
+        TileMemory other_memory;
+        for (const BandTile& tile : band.tiles) {
+            const auto list = band.sites_of(tile);
+            const Vec3d first = tile_size * tile.coordinate.cast<double>();
+            TileInput input{.sites = &sites.arrays(),
+                            .list = list.data(),
+                            .count = std::ssize(list),
+                            .first_sample = {first.x(), first.y(), first.z()}};
+            const std::int64_t evaluations = sites.kernels().scan(input, tile_memory.columns);
+            input.sites = &others.arrays();
+            ASSERT_EQ(others.kernels().scan(input, other_memory.columns), evaluations);
+            for (int b = 0; b < 64; ++b) {
+                ScannedBlock block{};
+                ScannedBlock other{};
+                const bool is_active = sites.kernels().finish(tile_memory.columns, 4, 0.1, b % 4,
+                                                              b / 4 % 4, b / 16, block);
+                ASSERT_EQ(others.kernels().finish(other_memory.columns, 4, 0.1, b % 4, b / 4 % 4,
+                                                  b / 16, other),
+                          is_active);
+                ASSERT_TRUE(std::ranges::equal(block.distance, other.distance));
+                ASSERT_TRUE(std::ranges::equal(block.active, other.active));
+                ASSERT_TRUE(std::ranges::equal(block.negative, other.negative));
+                ASSERT_TRUE(std::ranges::equal(block.site, other.site));
+                // Every block with a sample of the band was foretold.
+                ASSERT_TRUE(!is_active || (tile.blocks >> b & 1));
+                float with_signs[2][512];
+                sites.kernels().apply_signs(block.distance, block.negative, with_signs[0]);
+                others.kernels().apply_signs(block.distance, block.negative, with_signs[1]);
+                ASSERT_TRUE(std::ranges::equal(with_signs[0], with_signs[1]));
+            }
+        }
+    }
+}
+
+TEST(Sites, NormalsOfVerticesAreThoseOfExactAngles) {
     const CheckedMesh mesh = check(sample_mesh("knot"));
-    const LatticeMesh lattice =
-        on_lattice(mesh.mesh, voxel_size_for_resolution(bounding_box(mesh.mesh), 50), 4);
-    const Sites sites = voronoi_sites(lattice.mesh, mesh.topology, 4);
-    const BandBlocks band = find_band_blocks(sites, 1e9, {});
-    const SiteArrays arrays = sites.arrays();
-    for (const BandBlock& block : band.blocks) {
-        const auto list = band.sites(block);
-        const Vec3d first = block_size * block.coordinate.cast<double>();
-        const ScanInput input{.sites = &arrays,
-                              .list = list.data(),
-                              .count = static_cast<std::int32_t>(list.size()),
-                              .first_sample = {first.x(), first.y(), first.z()},
-                              .half_width = 4,
-                              .scale = 0.1,
-                              .with_sites = true};
-        ScanOutput baseline{};
-        ScanOutput other{};
-        const std::int64_t evaluations = scan_kernel(InstructionSet::Baseline)(input, baseline);
-        ASSERT_EQ(scan_kernel(GetParam())(input, other), evaluations);
-        ASSERT_TRUE(std::ranges::equal(baseline.distance, other.distance));
-        ASSERT_TRUE(std::ranges::equal(baseline.active, other.active));
-        ASSERT_TRUE(std::ranges::equal(baseline.negative, other.negative));
-        ASSERT_TRUE(std::ranges::equal(baseline.site, other.site));
+    const Sites sites(mesh.mesh, mesh.topology, 1);
+    const Pseudonormals pseudonormals(mesh.mesh, mesh.topology);
+    for (std::size_t c = 0; c < mesh.topology.fan_of_corner.size(); ++c) {
+        const Vec3d& expected =
+            pseudonormals.at(static_cast<int>(c / 3),
+                             std::array{Feature::Vertex0, Feature::Vertex1, Feature::Vertex2}[c % 3]);
+        const Eigen::Map<const Vec3d> normal(
+            sites.arrays().fans[mesh.topology.fan_of_corner[c]].normal);
+        // A few roundings of each of some six angles and normals.
+        ASSERT_LT((normal - expected).norm(), 1e-14 * expected.norm());
     }
 }
 

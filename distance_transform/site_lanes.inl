@@ -1,0 +1,608 @@
+// Eight sites of one kind side by side: their regions, and what a tile's samples see of them.
+//
+// Included in the namespace of one instruction set, after lanes.inl.
+
+namespace {
+
+using Doubles = Lanes<double>;
+
+/// Samples that a region misses by rounding are caught by the next, if they overlap [voxels].
+constexpr double least_overlap = 1e-6;
+/// What double leaves of coordinates that are up to 2^28 voxels from the anchor, and of sums.
+constexpr double coordinate_rounding = 1e-14;
+/// A bend over which the half width opens no further than this [voxels] needs no wedge or cone: the
+/// towers overlap by more (scan_kernel.inl, tower_slack).
+constexpr double least_opening = 1e-10;
+/// Of two normals together [radians]; beyond it the edge's wedge is not told.
+constexpr double greatest_noise = 0.1;
+/// Half the width of a wedge or cone over its height, from which on a cylinder or ball serves.
+constexpr double greatest_slope = 3;
+constexpr double huge = 1e300;
+
+struct Vector {
+    Doubles x;
+    Doubles y;
+    Doubles z;
+
+    friend ISOCAST_INLINE Vector operator+(const Vector& a, const Vector& b) {
+        return {a.x + b.x, a.y + b.y, a.z + b.z};
+    }
+    friend ISOCAST_INLINE Vector operator-(const Vector& a, const Vector& b) {
+        return {a.x - b.x, a.y - b.y, a.z - b.z};
+    }
+    friend ISOCAST_INLINE Vector operator*(const Doubles& f, const Vector& a) {
+        return {f * a.x, f * a.y, f * a.z};
+    }
+    friend ISOCAST_INLINE Doubles dot(const Vector& a, const Vector& b) {
+        return a.x * b.x + a.y * b.y + a.z * b.z;
+    }
+    friend ISOCAST_INLINE Vector cross(const Vector& a, const Vector& b) {
+        return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+    }
+    friend ISOCAST_INLINE Doubles norm(const Vector& a) { return sqrt(dot(a, a)); }
+    friend ISOCAST_INLINE Vector select(const Mask<double>& m, const Vector& a, const Vector& b) {
+        return {select(m, a.x, b.x), select(m, a.y, b.y), select(m, a.z, b.z)};
+    }
+    friend ISOCAST_INLINE Vector min(const Vector& a, const Vector& b) {
+        return {min(a.x, b.x), min(a.y, b.y), min(a.z, b.z)};
+    }
+    friend ISOCAST_INLINE Vector max(const Vector& a, const Vector& b) {
+        return {max(a.x, b.x), max(a.y, b.y), max(a.z, b.z)};
+    }
+};
+
+ISOCAST_INLINE Doubles absolute(const Doubles& x) {
+    return max(x, Doubles(0.0) - x);
+}
+ISOCAST_INLINE Vector absolute(const Vector& a) {
+    return {absolute(a.x), absolute(a.y), absolute(a.z)};
+}
+ISOCAST_INLINE Doubles clamp(const Doubles& x, const Doubles& low, const Doubles& high) {
+    return max(low, min(x, high));
+}
+ISOCAST_INLINE Vector splat(const double* p) {
+    return {p[0], p[1], p[2]};
+}
+/// Of length one; undefined for the zero vector.
+ISOCAST_INLINE Vector normalized(const Vector& a) {
+    return (Doubles(1.0) / norm(a)) * a;
+}
+/// A unit vector across the unit vector `a`.
+ISOCAST_INLINE Vector unit_orthogonal(const Vector& a) {
+    // Not along the least component, so that nothing cancels.
+    const auto along_x = absolute(a.x) < 0.6;
+    return normalized(select(along_x, Vector{0.0, a.z, Doubles(0.0) - a.y},
+                             Vector{Doubles(0.0) - a.z, 0.0, a.x}));
+}
+
+/// Numbers that lie about in memory, brought side by side.
+template<int count>
+struct Gathered {
+    alignas(64) double number[count][lanes];
+
+    ISOCAST_INLINE void set(int first, int lane, const double* p) {
+        for (int k = 0; k < 3; ++k) number[first + k][lane] = p[k];
+    }
+    ISOCAST_INLINE Doubles at(int i) const { return load(number[i]); }
+    ISOCAST_INLINE Vector vector(int first) const { return {at(first), at(first + 1), at(first + 2)}; }
+};
+
+/// SiteRegion of eight sites.
+struct Regions {
+    Vector base_min;
+    Vector base_max;
+    Vector direction;
+    Doubles low;
+    Doubles high;
+    Doubles lateral = 0.0;
+    Doubles slope = 0.0;
+    Vector factor = {0.0, 0.0, 0.0};
+    Doubles axis;
+
+    /// Over the box of the base; `low` and `high` bound the heights along `along`, a unit vector.
+    ISOCAST_INLINE Regions(const Vector& least, const Vector& greatest, const Vector& along,
+                           const Doubles& low_height, const Doubles& high_height) {
+        const Vector size = absolute(along);
+        const Doubles of_two = max(size.x, size.y);
+        axis = select(of_two < size.z, Doubles(2.0),
+                      select(size.x < size.y, Doubles(1.0), Doubles(0.0)));
+        const auto is_turned = at_axis(along) < 0.0;
+        const Doubles zero = 0.0;
+        direction = select(is_turned, Vector{zero - along.x, zero - along.y, zero - along.z}, along);
+        low = select(is_turned, zero - high_height, low_height);
+        high = select(is_turned, zero - low_height, high_height);
+        const Vector largest = max(absolute(least), absolute(greatest));
+        const Doubles pad =
+            (max(max(largest.x, largest.y), max(largest.z, max(zero - low, high)))) *
+                coordinate_rounding +
+            least_overlap;
+        base_min = least - Vector{pad, pad, pad};
+        base_max = greatest + Vector{pad, pad, pad};
+    }
+    /// Offsets in all directions across the region's.
+    ISOCAST_INLINE void around(const Doubles& lateral_offset, const Doubles& lateral_slope) {
+        lateral = lateral_offset;
+        slope = lateral_slope;
+        const auto across = [](const Doubles& w) __attribute__((always_inline)) {
+            return sqrt(max(Doubles(0.0), Doubles(1.0) - w * w));
+        };
+        factor = {across(direction.x), across(direction.y), across(direction.z)};
+    }
+    /// Offsets along `across` only.
+    ISOCAST_INLINE void aside(const Doubles& lateral_offset, const Doubles& lateral_slope,
+                              const Vector& across) {
+        lateral = lateral_offset;
+        slope = lateral_slope;
+        factor = absolute(across);
+    }
+    ISOCAST_INLINE void clear(const Mask<double>& is_empty) {
+        low = select(is_empty, Doubles(1.0), low);
+        high = select(is_empty, Doubles(0.0), high);
+    }
+
+    /// The components along k, the region's axis, and along the two after it.
+    ISOCAST_INLINE Doubles at_axis(const Vector& a) const {
+        return select(axis == 0.0, a.x, select(axis == 1.0, a.y, a.z));
+    }
+    ISOCAST_INLINE Doubles after_axis(const Vector& a) const {
+        return select(axis == 0.0, a.y, select(axis == 1.0, a.z, a.x));
+    }
+    ISOCAST_INLINE Doubles before_axis(const Vector& a) const {
+        return select(axis == 0.0, a.z, select(axis == 1.0, a.x, a.y));
+    }
+    /// As along k, u and v.
+    ISOCAST_INLINE Vector in_columns(const Vector& a) const {
+        return {at_axis(a), after_axis(a), before_axis(a)};
+    }
+
+    void write(SiteRegion* to, int count) const {
+        alignas(64) double rows[17][lanes];
+        const Doubles* const from[17] = {
+            &base_min.x, &base_min.y, &base_min.z, &base_max.x,  &base_max.y, &base_max.z,
+            &direction.x, &direction.y, &direction.z, &low,      &high,       &lateral,
+            &slope,      &factor.x,   &factor.y,   &factor.z,   &axis};
+        for (int i = 0; i < 17; ++i) store(rows[i], *from[i]);
+        for (int lane = 0; lane < count; ++lane) {
+            SiteRegion& region = to[lane];
+            for (int k = 0; k < 3; ++k) {
+                region.base_min[k] = rows[k][lane];
+                region.base_max[k] = rows[3 + k][lane];
+                region.direction[k] = rows[6 + k][lane];
+                region.lateral_factor[k] = rows[13 + k][lane];
+            }
+            region.low = rows[9][lane];
+            region.high = rows[10][lane];
+            region.lateral = rows[11][lane];
+            region.lateral_slope = rows[12][lane];
+            region.axis = int(rows[16][lane]);
+        }
+    }
+};
+
+/// Numbers of up to eight sites of one kind, from the first of that kind; the last is repeated.
+struct Numbers {
+    std::int32_t of[lanes];
+
+    ISOCAST_INLINE Numbers(const std::int32_t* list, int count, std::int32_t first) {
+        for (int lane = 0; lane < lanes; ++lane)
+            of[lane] = list[lane < count ? lane : count - 1] - first;
+    }
+    ISOCAST_INLINE Numbers(std::int32_t first, int count) {
+        for (int lane = 0; lane < lanes; ++lane) of[lane] = first + (lane < count ? lane : count - 1);
+    }
+};
+
+/// Faces in the orthonormal frame of the thesis's figure 4.9: r runs along the longest side, s to
+/// the apex, t along the normal; the corners are (-b, 0), (a, 0) and (0, h), all of a, b, h >= 0.
+struct Faces {
+    Vector corners[3];
+    Vector origin; // foot of the apex on the longest side
+    Vector r;
+    Vector s;
+    Vector t;
+    Doubles noise;
+    /// Of the side from (base, 0) to the apex: the distance outwards is
+    /// sine * (|r| - base) + cosine * s.
+    struct Side {
+        Doubles base;
+        Doubles cosine;
+        Doubles sine;
+    };
+    Side right;
+    Side left;
+
+    ISOCAST_INLINE Faces(const SiteArrays& sites, const Numbers& numbers) {
+        Gathered<9> in;
+        for (int lane = 0; lane < lanes; ++lane)
+            for (int k = 0; k < 3; ++k)
+                in.set(3 * k, lane, sites.vertices[sites.triangles[numbers.of[lane]][k]]);
+        for (int k = 0; k < 3; ++k) corners[k] = in.vector(3 * k);
+
+        Doubles squared_length = -1.0;
+        Vector first = corners[0];
+        Vector second = corners[1];
+        Vector apex = corners[2];
+        for (int k = 0; k < 3; ++k) {
+            const Vector& p = corners[k];
+            const Vector& q = corners[(k + 1) % 3];
+            const Doubles squared = dot(q - p, q - p);
+            const auto is_longer = squared_length < squared;
+            squared_length = select(is_longer, squared, squared_length);
+            first = select(is_longer, p, first);
+            second = select(is_longer, q, second);
+            apex = select(is_longer, corners[(k + 2) % 3], apex);
+        }
+        const Doubles length = sqrt(squared_length);
+        // Corners that differ in the world can be one in voxels about a distant anchor.
+        r = select(Doubles(0.0) < length, (Doubles(1.0) / length) * (second - first),
+                   Vector{1.0, 0.0, 0.0});
+        // The foot lies between the ends, but for rounding.
+        const Doubles to_foot = clamp(dot(apex - first, r), 0.0, length);
+        origin = first + to_foot * r;
+        // Twice made orthogonal: what is left of a sliver's height after the first time may lean.
+        s = apex - origin;
+        s = s - dot(s, r) * r;
+        const Doubles h = norm(s);
+        s = select(Doubles(0.0) < h, (Doubles(1.0) / h) * s, unit_orthogonal(r));
+        s = normalized(s - dot(s, r) * r);
+        t = cross(r, s);
+        constexpr double rounding = 1e-15;
+        noise = select(length * rounding < h, min(1.0, length * rounding / h), Doubles(1.0));
+        right = side(length - to_foot, h);
+        left = side(to_foot, h);
+    }
+    static ISOCAST_INLINE Side side(const Doubles& base, const Doubles& h) {
+        const Doubles length = sqrt(base * base + h * h);
+        const auto has_length = Doubles(0.0) < length;
+        // Without length the side is the apex itself, at a right angle to the longest side.
+        return {base, select(has_length, base / length, Doubles(0.0)),
+                select(has_length, h / length, Doubles(1.0))};
+    }
+    ISOCAST_INLINE Regions regions(double half_width) const {
+        return {min(corners[0], min(corners[1], corners[2])),
+                max(corners[0], max(corners[1], corners[2])), t, -half_width, half_width};
+    }
+};
+
+struct Edges {
+    Vector ends[2];
+    Vector e; // along
+    Vector x; // across, along the middle of the wedge
+    Vector y;
+    Doubles length;
+    Doubles normal_x; // of the pseudonormal
+    Doubles normal_y;
+    Doubles low;
+    Doubles lateral;
+    Doubles slope;
+    Mask<double> is_empty;
+
+    ISOCAST_INLINE Edges(const SiteArrays& sites, const Numbers& numbers) {
+        Gathered<16> in;
+        alignas(64) double kinds[4][lanes];
+        for (int lane = 0; lane < lanes; ++lane) {
+            const EdgeData& edge = sites.edges[numbers.of[lane]];
+            in.set(0, lane, sites.vertices[edge.ends[0]]);
+            in.set(3, lane, sites.vertices[edge.ends[1]]);
+            for (int kind = 0; kind < 4; ++kind) kinds[kind][lane] = edge.kind == kind;
+            if (edge.kind == EdgeData::Junction) {
+                constexpr double nothing[3] = {0, 0, 0};
+                in.set(6, lane, sites.junctions[edge.faces[0]]);
+                in.set(9, lane, nothing);
+                in.number[12][lane] = 1;
+                continue;
+            }
+            const FaceNormal& one = sites.faces[edge.faces[0]];
+            const FaceNormal& other =
+                sites.faces[edge.faces[edge.kind == EdgeData::Border ? 0 : 1]];
+            in.set(6, lane, one.normal);
+            in.set(9, lane, other.normal);
+            in.number[12][lane] =
+                edge.kind == EdgeData::Border ? one.noise : one.noise + other.noise;
+        }
+        const double w = sites.half_width;
+        const auto is_border = Doubles(0.5) < load(kinds[EdgeData::Border]);
+        const auto is_parallel = Doubles(0.5) < load(kinds[EdgeData::Parallel]);
+        const auto is_pair = is_parallel | (Doubles(0.5) < load(kinds[EdgeData::Opposed]));
+        ends[0] = in.vector(0);
+        ends[1] = in.vector(3);
+        const Vector first = in.vector(6);
+        const Vector second = in.vector(9);
+        const Doubles noise = in.at(12);
+        length = norm(ends[1] - ends[0]);
+        is_empty = length <= 0.0; // its ends are at the same place
+        e = (Doubles(1.0) / length) * (ends[1] - ends[0]);
+
+        // Directions across the edge into its triangles: a nearest point's offset leads into none.
+        const Vector zero = {0.0, 0.0, 0.0};
+        const Vector into_first = cross(first, e);
+        const Vector into_second =
+            select(is_parallel, cross(second, e), select(is_pair, cross(e, second), zero));
+        const Vector into = into_first + into_second;
+        const Vector pseudonormal = first + select(is_pair, second, zero);
+        // A cylinder, unless more is known.
+        x = unit_orthogonal(e);
+        low = -w;
+        lateral = w;
+        slope = 0.0;
+        const auto is_told = noise < greatest_noise;
+        const auto is_half = is_border & is_told;
+        const Doubles into_norm = norm(into);
+        const Vector away = (Doubles(-1.0) / into_norm) * into;
+        x = select(is_half, away, x);
+        low = select(is_half, noise * -w, low); // one that leans reaches below its foot
+        // The sum of two unit vectors: twice the sine of half the opening, away from it.
+        const Doubles sine = into_norm * 0.5;
+        const Doubles tangent =
+            select(sine < 1.0, sine / sqrt(max(Doubles(1.0) - sine * sine, 1e-300)), Doubles(huge));
+        const auto is_bent = is_pair & is_told;
+        is_empty = is_empty | (is_bent & ((tangent + noise) * w < least_opening));
+        // Where the edge is nearly flat, its direction is told better by the normals.
+        const Vector between =
+            normalized(select(dot(first, second) < 0.0, first - second, first + second));
+        const Vector middle = select(Doubles(0.5) < sine, away,
+                                     select(Doubles(0.0) < dot(between, into),
+                                            Doubles(-1.0) * between, between));
+        const auto is_wedge = is_bent & (tangent <= greatest_slope);
+        x = select(is_wedge, middle, x);
+        // So flat that even the side may be in doubt.
+        low = select(is_wedge, select(sine < noise + 1e-9, Doubles(-w), Doubles(0.0)), low);
+        lateral = select(is_wedge, noise * w, lateral);
+        slope = select(is_wedge, tangent, slope);
+        x = normalized(x - dot(x, e) * e);
+        y = cross(e, x);
+        normal_x = dot(pseudonormal, x);
+        normal_y = dot(pseudonormal, y);
+    }
+    ISOCAST_INLINE Regions regions(double half_width) const {
+        Regions regions(min(ends[0], ends[1]), max(ends[0], ends[1]), x, low, half_width);
+        regions.aside(lateral, slope, y);
+        regions.clear(is_empty);
+        return regions;
+    }
+};
+
+struct Fans {
+    Vector point;
+    Vector normal;
+    Vector direction; // of the cone
+    Doubles low;
+    Doubles high;
+    Doubles lateral;
+    Doubles slope;
+    Mask<double> is_empty;
+
+    ISOCAST_INLINE Fans(const SiteArrays& sites, const Numbers& numbers) {
+        Gathered<8> in;
+        for (int lane = 0; lane < lanes; ++lane) {
+            const FanData& fan = sites.fans[numbers.of[lane]];
+            in.set(0, lane, sites.vertices[fan.vertex]);
+            in.set(3, lane, fan.normal);
+            in.number[6][lane] = fan.slope_above;
+            in.number[7][lane] = fan.slope_below;
+        }
+        const double w = sites.half_width;
+        point = in.vector(0);
+        normal = in.vector(3);
+        const Doubles above = in.at(6);
+        const Doubles below = in.at(7);
+        const auto is_ball = above < 0.0;
+        const auto has_above = Doubles(least_opening) <= above * w;
+        const auto has_below = Doubles(least_opening) <= below * w;
+        // Components may be tiny or huge: their squares need not be numbers.
+        const Vector size = absolute(normal);
+        const Vector scaled = (Doubles(1.0) / max(size.x, max(size.y, size.z))) * normal;
+        direction = select(is_ball, Vector{1.0, 0.0, 0.0}, normalized(scaled));
+        low = select(is_ball | has_below, Doubles(-w), Doubles(0.0));
+        high = select(is_ball | has_above, Doubles(w), Doubles(0.0));
+        lateral = select(is_ball, Doubles(w), Doubles(0.0));
+        slope = select(is_ball, Doubles(0.0), max(above, below));
+        // Neither a ball nor open to any side.
+        is_empty = low == high;
+    }
+    ISOCAST_INLINE Regions regions() const {
+        Regions regions(point, point, direction, low, high);
+        regions.around(lateral, slope);
+        regions.clear(is_empty);
+        return regions;
+    }
+};
+
+/// Eight values of SampleFunction.
+struct SampleFunctions {
+    Doubles first;
+    Vector along; // k, u and v
+
+    /// dot(axis, p - origin) of the samples p.
+    ISOCAST_INLINE SampleFunctions(const Regions& regions, const Vector& axis, const Vector& origin,
+                                   const double* first_sample)
+        : first(dot(axis, splat(first_sample) - origin)), along(regions.in_columns(axis)) {}
+    ISOCAST_INLINE SampleFunctions(const Doubles& value, const Vector& gradient)
+        : first(value), along(gradient) {}
+
+    friend ISOCAST_INLINE SampleFunctions combined(const Doubles& a, const SampleFunctions& f,
+                                                   const Doubles& b, const SampleFunctions& g,
+                                                   const Doubles& c) {
+        return {a * f.first + b * g.first + c, a * f.along + b * g.along};
+    }
+};
+
+/// Eight sites of one kind as a tile's samples see them, and the columns that meet them.
+struct SeenSites {
+    alignas(64) double axis[lanes];
+    double functions[4][4][lanes]; // as TileSite: first, along k, u and v
+    double length[lanes];
+    double normal_x[lanes];
+    double normal_y[lanes];
+    // The columns lie within this rectangle and, in row v, low <= u + v * slope <= high.
+    double u_low[lanes];
+    double u_high[lanes];
+    double v_low[lanes];
+    double v_high[lanes];
+    double lean_low[lanes];
+    double lean_high[lanes];
+    double lean_slope[lanes];
+    /// The samples of column (u, v) lie, for each of these,
+    /// low <= k - (u * slope_u + v * slope_v) <= high.
+    struct Bound {
+        double low[lanes];
+        double high[lanes];
+        double slope_u[lanes];
+        double slope_v[lanes];
+    };
+    static constexpr int bound_count = 5;
+    Bound bounds[bound_count];
+
+    ISOCAST_INLINE void set(int i, const SampleFunctions& f) {
+        store(functions[i][0], f.first);
+        store(functions[i][1], f.along.x);
+        store(functions[i][2], f.along.y);
+        store(functions[i][3], f.along.z);
+    }
+
+    /// low <= f <= high in the region.
+    ISOCAST_INLINE void set_bound(int i, const SampleFunctions& f, const Doubles& low,
+                                  const Doubles& high) {
+        // Nearly across the columns it would cut them far off.
+        const auto is_told = Doubles(1e-3) < absolute(f.along.x);
+        const Doubles zero = 0.0;
+        const Doubles inverse = Doubles(1.0) / f.along.x;
+        const Doubles from = (low - 2 * least_overlap - f.first) * inverse;
+        const Doubles to = (high + 2 * least_overlap - f.first) * inverse;
+        Bound& bound = bounds[i];
+        store(bound.low, select(is_told, min(from, to), Doubles(-huge)));
+        store(bound.high, select(is_told, max(from, to), Doubles(huge)));
+        store(bound.slope_u, select(is_told, zero - f.along.y * inverse, zero));
+        store(bound.slope_v, select(is_told, zero - f.along.z * inverse, zero));
+    }
+
+    /// corners  of the base
+    ISOCAST_INLINE void set_columns(const Regions& regions, const Vector* corners,
+                                    int corner_count, const double* first_sample) {
+        store(axis, regions.axis);
+        const Vector w = regions.in_columns(regions.direction);
+        const Vector min_corner = regions.in_columns(regions.base_min - splat(first_sample));
+        const Vector max_corner = regions.in_columns(regions.base_max - splat(first_sample));
+        const Vector factor = regions.in_columns(regions.factor);
+        const Doubles zero = 0.0;
+        const Doubles inverse = Doubles(1.0) / w.x;
+        const Doubles reach =
+            regions.lateral + regions.slope * max(zero - regions.low, regions.high);
+        const Doubles aside = reach * factor.x;
+        const Doubles low = max(regions.low, (zero - max_corner.x - aside) * inverse);
+        const Doubles high =
+            min(regions.high, (Doubles(tile_size - 1.0) - min_corner.x + aside) * inverse);
+        const Doubles lateral = regions.lateral + regions.slope * max(zero - low, high);
+        store(u_low, min_corner.y + min(low * w.y, high * w.y) - lateral * factor.y);
+        store(u_high, max_corner.y + max(low * w.y, high * w.y) + lateral * factor.y);
+        store(v_low, select(low <= high,
+                            min_corner.z + min(low * w.z, high * w.z) - lateral * factor.z,
+                            Doubles(huge)));
+        store(v_high, max_corner.z + max(low * w.z, high * w.z) + lateral * factor.z);
+
+        // Between two lines along the lean of the heights, m across it.
+        const Doubles m_u = zero - w.z;
+        const Doubles& m_v = w.y;
+        Doubles least = huge;
+        Doubles greatest = -huge;
+        for (int i = 0; i < corner_count; ++i) {
+            const Vector corner = regions.in_columns(corners[i] - splat(first_sample));
+            const Doubles at = m_u * corner.y + m_v * corner.z;
+            least = min(least, at);
+            greatest = max(greatest, at);
+        }
+        const Doubles side = lateral + 3 * least_overlap +
+                             (absolute(least) + absolute(greatest)) * coordinate_rounding;
+        // Nearly along the rows they would cut them far off.
+        const auto is_told = Doubles(0.02) < absolute(m_u);
+        const Doubles by_u = Doubles(1.0) / m_u;
+        const Doubles from = (least - side) * by_u;
+        const Doubles to = (greatest + side) * by_u;
+        store(lean_low, select(is_told, min(from, to), Doubles(-huge)));
+        store(lean_high, select(is_told, max(from, to), Doubles(huge)));
+        store(lean_slope, select(is_told, m_v * by_u, zero));
+    }
+};
+
+ISOCAST_INLINE Regions see(const Faces& faces, const SiteArrays& sites, const double* first_sample,
+                           SeenSites& seen) {
+    const Regions regions = faces.regions(sites.half_width);
+    const SampleFunctions r(regions, faces.r, faces.origin, first_sample);
+    const SampleFunctions s(regions, faces.s, faces.origin, first_sample);
+    const SampleFunctions t(regions, faces.t, faces.origin, first_sample);
+    const Doubles zero = 0.0;
+    const SampleFunctions outwards[3] = {
+        {zero - s.first, {zero - s.along.x, zero - s.along.y, zero - s.along.z}},
+        combined(faces.right.sine, r, faces.right.cosine, s,
+                 zero - faces.right.sine * faces.right.base),
+        combined(zero - faces.left.sine, r, faces.left.cosine, s,
+                 zero - faces.left.sine * faces.left.base)};
+    seen.set(0, t);
+    seen.set_bound(0, t, -sites.half_width, sites.half_width);
+    for (int i = 0; i < 3; ++i) {
+        seen.set(1 + i, outwards[i]);
+        seen.set_bound(1 + i, outwards[i], -huge, zero);
+    }
+    seen.set_bound(4, {zero, {zero, zero, zero}}, zero, zero);
+    seen.set_columns(regions, faces.corners, 3, first_sample);
+    return regions;
+}
+
+ISOCAST_INLINE Regions see(const Edges& edges, const SiteArrays& sites, const double* first_sample,
+                           SeenSites& seen) {
+    const Regions regions = edges.regions(sites.half_width);
+    const SampleFunctions x(regions, edges.x, edges.ends[0], first_sample);
+    const SampleFunctions y(regions, edges.y, edges.ends[0], first_sample);
+    const SampleFunctions e(regions, edges.e, edges.ends[0], first_sample);
+    const Doubles zero = 0.0;
+    seen.set(0, x);
+    seen.set(1, y);
+    seen.set(2, e);
+    seen.set(3, {zero, {zero, zero, zero}});
+    store(seen.length, edges.length);
+    store(seen.normal_x, edges.normal_x);
+    store(seen.normal_y, edges.normal_y);
+    seen.set_bound(0, x, edges.low, sites.half_width);
+    seen.set_bound(1, e, zero, edges.length);
+    // |y| <= lateral + slope * x, or to both sides what that is at most.
+    const auto is_wedge = edges.low == zero;
+    const Doubles slope = select(is_wedge, edges.slope, zero);
+    const Doubles offset =
+        edges.lateral + select(is_wedge, zero, edges.slope * sites.half_width);
+    seen.set_bound(2, combined(1.0, y, zero - slope, x, zero), -huge, offset);
+    seen.set_bound(3, combined(1.0, y, slope, x, zero), zero - offset, huge);
+    seen.set_bound(4, {zero, {zero, zero, zero}}, zero, zero);
+    seen.set_columns(regions, edges.ends, 2, first_sample);
+    return regions;
+}
+
+ISOCAST_INLINE Regions see(const Fans& fans, const SiteArrays& sites, const double* first_sample,
+                           SeenSites& seen) {
+    const Regions regions = fans.regions();
+    const Vector offset = regions.in_columns(splat(first_sample) - fans.point);
+    const Doubles zero = 0.0;
+    seen.set(0, {regions, fans.normal, fans.point, first_sample});
+    seen.set(1, {offset.x, {1.0, 0.0, 0.0}});
+    seen.set(2, {offset.y, {0.0, 1.0, 0.0}});
+    seen.set(3, {offset.z, {0.0, 0.0, 1.0}});
+    const SampleFunctions height(regions, fans.direction, fans.point, first_sample);
+    seen.set_bound(0, height, fans.low, fans.high);
+    // |l| <= slope * |height|, or to both sides what that is at most.
+    const auto is_above = fans.low == zero;
+    const auto is_below = fans.high == zero;
+    const Doubles slope =
+        select(is_above, fans.slope, select(is_below, zero - fans.slope, zero));
+    const Doubles lateral =
+        fans.lateral + select(is_above | is_below, zero, fans.slope * sites.half_width);
+    const Vector across = unit_orthogonal(fans.direction);
+    const SampleFunctions first(regions, across, fans.point, first_sample);
+    const SampleFunctions second(regions, cross(fans.direction, across), fans.point, first_sample);
+    seen.set_bound(1, combined(1.0, first, zero - slope, height, zero), -huge, lateral);
+    seen.set_bound(2, combined(1.0, first, slope, height, zero), zero - lateral, huge);
+    seen.set_bound(3, combined(1.0, second, zero - slope, height, zero), -huge, lateral);
+    seen.set_bound(4, combined(1.0, second, slope, height, zero), zero - lateral, huge);
+    seen.set_columns(regions, &fans.point, 1, first_sample);
+    return regions;
+}
+
+} // namespace

@@ -1,0 +1,81 @@
+// Exact signed distances at the samples of one tile, by scan conversion of its sites.
+// SPDX-License-Identifier: MPL-2.0
+#include "distance_transform/tile_transform.h"
+
+#include "distance_transform/block_signs.h"
+
+#include <bit>
+#include <cstring>
+#include <memory>
+
+namespace isocast {
+
+std::int64_t TileTransform::run(const BandTile& tile, std::span<const std::int32_t> list,
+                                std::span<FieldBlock> blocks, std::span<ClosestBlock> closest,
+                                std::atomic<std::size_t>& next) {
+    constexpr std::size_t lines = TileColumns::count / std::size(Line{}.squares);
+    const bool with_sites = !closest.empty();
+    Columns& memory = columns_.local();
+    memory.resize((with_sites ? 6 : 3) * lines);
+    TileColumns columns{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        columns.signed_square[axis] = memory[axis * lines].squares;
+        columns.site[axis] = with_sites ? memory[(3 + axis) * lines].squares : nullptr;
+    }
+    const Vec3d origin = tile_size * tile.coordinate.cast<double>();
+    const ScanKernels& kernels = sites_.kernels();
+    const std::int64_t evaluations =
+        kernels.scan({.sites = &sites_.arrays(),
+                      .list = list.data(),
+                      .count = std::ssize(list),
+                      .first_sample = {origin.x(), origin.y(), origin.z()}},
+                     columns);
+    ScannedBlock scanned;
+    for (std::uint64_t rest = tile.blocks; rest != 0; rest &= rest - 1) {
+        const int b = std::countr_zero(rest);
+        const Index3 at(b % tile_blocks, b / tile_blocks % tile_blocks,
+                        b / (tile_blocks * tile_blocks));
+        if (!kernels.finish(columns, sites_.arrays().half_width, voxel_size_, at.x(), at.y(),
+                            at.z(), scanned))
+            continue;
+        const std::size_t place = next++;
+        FieldBlock& block = *std::construct_at(&blocks[place]);
+        block.coordinate = tile_blocks * tile.coordinate + at;
+        write(scanned, block);
+        if (with_sites) find_closest(block, scanned, closest[place]);
+    }
+    return evaluations;
+}
+
+void TileTransform::write(const ScannedBlock& scanned, FieldBlock& block) const {
+    const SampleBits active = bits_of_rows(scanned.active);
+    SampleBits negative;
+    if (signs_.is_signed) {
+        negative =
+            signs_.winding
+                ? winding_signs(scanned.distance, active, voxel_size_, *signs_.winding,
+                                block_size * block.coordinate.cast<double>())
+                : bits_of_rows(scanned.negative);
+        spread(active, negative);
+    }
+    std::uint8_t rows[64];
+    static_assert(sizeof rows == sizeof negative.words && sizeof rows == sizeof block.active);
+    std::memcpy(rows, negative.words.data(), sizeof rows);
+    std::memcpy(static_cast<void*>(&block.active), active.words.data(), sizeof block.active);
+    sites_.kernels().apply_signs(scanned.distance, rows, block.values.data());
+}
+
+void TileTransform::find_closest(const FieldBlock& block, const ScannedBlock& scanned,
+                                 ClosestBlock& closest) const {
+    closest.offset_world.fill(Eigen::Vector3f::Zero());
+    closest.feature.fill(-1);
+    for_each_bit(bits_of_rows(scanned.active), [&](int i) {
+        const Vec3d p = (block_size * block.coordinate + sample_of(i)).cast<double>();
+        const std::int32_t site = scanned.site[i];
+        closest.offset_world[i] =
+            (voxel_size_ * (sites_.nearest_point(site, p) - p)).cast<float>();
+        closest.feature[i] = sites_.feature(site);
+    });
+}
+
+} // namespace isocast

@@ -92,9 +92,9 @@ private:
 /// The bits of BandTile::blocks of a tile's samples first … last along an axis.
 std::uint64_t blocks_along(int axis, int first, int last) {
     constexpr std::array<std::uint64_t, 3> one = {0x1111111111111111, 0x000f000f000f000f, 0xffff};
-    constexpr std::array<int, 3> step = {1, tile_blocks, tile_blocks* tile_blocks};
+    const int step = axis == 0 ? 1 : axis == 1 ? tile_blocks : tile_blocks * tile_blocks;
     std::uint64_t bits = 0;
-    for (int b = first / block_size; b <= last / block_size; ++b) bits |= one[axis] << b * step[axis];
+    for (int b = first / block_size; b <= last / block_size; ++b) bits |= one[axis] << b * step;
     return bits;
 }
 
@@ -104,44 +104,32 @@ int floor_to_int(double x) {
     return i - (static_cast<double>(i) > x);
 }
 
-/// Samples first … last along an axis, from the anchor.
-struct Samples {
-    int first;
-    int last;
-
-    Samples(double low, double high) : first(-floor_to_int(-low)), last(floor_to_int(high)) {}
-    int first_tile() const { return first >> tile_shift; }
-    int last_tile() const { return last >> tile_shift; }
-    std::uint64_t blocks(int axis, int tile) const {
-        const int begin = tile * tile_size;
-        return blocks_along(axis, std::max(first - begin, 0), std::min(last - begin, tile_size - 1));
+/// The bits of the blocks of `box` in a tile.
+std::uint64_t blocks_in(const SampleBox& box, const Index3& tile) {
+    std::uint64_t bits = ~std::uint64_t{0};
+    for (int k = 0; k < 3; ++k) {
+        const int begin = tile_size * tile[k];
+        bits &= blocks_along(k, std::max(box.first[k] - begin, 0),
+                             std::min(box.last[k] - begin, tile_size - 1));
     }
-
-private:
-    static constexpr int tile_shift = std::countr_zero(unsigned{tile_size});
-};
+    return bits;
+}
 
 /// Calls visit(tile, its blocks) for every tile that has a sample in the region; it may call for a
 /// few more.
+///
+/// box  of the region's samples, not empty
 template<class Visit>
-void for_each_tile(const SiteRegion& region, const Visit& visit) {
-    if (region.low > region.high) return;
+void for_each_tile(const SampleBox& box, const SiteRegion& region, const Visit& visit) {
     const int k = region.axis;
     const int u = (k + 1) % 3;
     const int v = (k + 2) % 3;
     const double* w = region.direction;
-    const auto samples = [&](int axis, double low, double high, double lateral) {
-        const double aside = lateral * region.lateral_factor[axis];
-        return Samples(region.base_min[axis] + std::min(low * w[axis], high * w[axis]) - aside,
-                       region.base_max[axis] + std::max(low * w[axis], high * w[axis]) + aside);
-    };
     const double reach = region.lateral + region.lateral_slope * std::max(-region.low, region.high);
     const double aside = reach * region.lateral_factor[k];
     const double inverse_w = 1 / w[k];
-    const Samples along_k = samples(k, region.low, region.high, reach);
-    if (along_k.first > along_k.last) return;
     Index3 tile;
-    for (tile[k] = along_k.first_tile(); tile[k] <= along_k.last_tile(); ++tile[k]) {
+    for (tile[k] = tile_of(box.first[k]); tile[k] <= tile_of(box.last[k]); ++tile[k]) {
         const double first = tile_size * tile[k];
         const double low =
             std::max(region.low, (first - region.base_max[k] - aside) * inverse_w);
@@ -149,15 +137,18 @@ void for_each_tile(const SiteRegion& region, const Visit& visit) {
             std::min(region.high, (first + tile_size - 1 - region.base_min[k] + aside) * inverse_w);
         if (!(low <= high)) continue;
         const double lateral = region.lateral + region.lateral_slope * std::max(-low, high);
-        const Samples along_u = samples(u, low, high, lateral);
-        const Samples along_v = samples(v, low, high, lateral);
-        if (along_u.first > along_u.last || along_v.first > along_v.last) continue;
-        const std::uint64_t blocks_k = along_k.blocks(k, tile[k]);
-        for (tile[v] = along_v.first_tile(); tile[v] <= along_v.last_tile(); ++tile[v]) {
-            const std::uint64_t blocks_kv = blocks_k & along_v.blocks(v, tile[v]);
-            for (tile[u] = along_u.first_tile(); tile[u] <= along_u.last_tile(); ++tile[u])
-                visit(tile, blocks_kv & along_u.blocks(u, tile[u]));
+        SampleBox slice = box;
+        for (const int axis : {u, v}) {
+            const double side = lateral * region.lateral_factor[axis];
+            slice.first[axis] = -floor_to_int(
+                -(region.base_min[axis] + std::min(low * w[axis], high * w[axis]) - side));
+            slice.last[axis] = floor_to_int(region.base_max[axis] +
+                                            std::max(low * w[axis], high * w[axis]) + side);
         }
+        if (slice.first[u] > slice.last[u] || slice.first[v] > slice.last[v]) continue;
+        for (tile[v] = tile_of(slice.first[v]); tile[v] <= tile_of(slice.last[v]); ++tile[v])
+            for (tile[u] = tile_of(slice.first[u]); tile[u] <= tile_of(slice.last[u]); ++tile[u])
+                visit(tile, blocks_in(slice, tile));
     }
 }
 
@@ -173,21 +164,27 @@ struct Index3Hash {
 /// Tiles by coordinate, numbered as they come.
 class TileNumbers {
 public:
-    /// The number of a tile; neighbours in the mesh mostly lie in the same one.
     std::uint32_t number(const Index3& tile) {
-        if (tile == last_ && !tiles.empty()) return last_number_;
+        // Neighbours in the mesh mostly lie in the same few tiles.
+        Recent& recent = recent_[(tile.x() & 3) + 4 * (tile.y() & 3) + 16 * (tile.z() & 3)];
+        if (recent.number != none && recent.tile == tile) return recent.number;
         const auto [at, is_new] =
             numbers_.try_emplace(tile, static_cast<std::uint32_t>(tiles.size()));
         if (is_new) tiles.push_back({.coordinate = tile, .blocks = 0, .first = 0, .count = 0});
-        last_ = tile;
-        return last_number_ = at->second;
+        recent = {tile, at->second};
+        return at->second;
     }
     std::vector<BandTile> tiles;
 
 private:
+    static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+    struct Recent {
+        Index3 tile = Index3::Zero();
+        std::uint32_t number = none;
+    };
+
     std::unordered_map<Index3, std::uint32_t, Index3Hash> numbers_;
-    Index3 last_ = Index3::Zero();
-    std::uint32_t last_number_ = 0;
+    std::array<Recent, 64> recent_;
 };
 
 /// What some consecutive sites reach.
@@ -205,19 +202,35 @@ constexpr std::int32_t sites_per_part = 8192;
 Part find_part(const Sites& sites, std::int32_t begin, std::int32_t end) {
     Part part;
     part.pairs.reserve(static_cast<std::size_t>(end - begin) * 2);
-    std::array<SiteRegion, 64> regions;
-    for (std::int32_t first = begin; first < end; first += std::ssize(regions)) {
-        const auto last = std::min<std::int32_t>(end, first + static_cast<int>(regions.size()));
-        sites.kernels().find_regions(sites.arrays(), first, last, regions.data());
+    constexpr std::int32_t batch = 64;
+    std::array<SampleBox, batch> boxes;
+    std::array<SiteRegion, batch> regions;
+    for (std::int32_t first = begin; first < end; first += batch) {
+        const std::int32_t last = std::min(end, first + batch);
+        sites.kernels().find_regions(sites.arrays(), first, last, boxes.data(), regions.data());
         for (std::int32_t site = first; site < last; ++site) {
-            const SiteRegion& region = regions[static_cast<std::size_t>(site - first)];
-            const NearTest near(sites.arrays(), site, region);
-            for_each_tile(region, [&](const Index3& tile, std::uint64_t blocks) {
-                if (!near.may_meet(tile)) return;
+            const SampleBox& box = boxes[static_cast<std::size_t>(site - first)];
+            if (box.first[0] > box.last[0] || box.first[1] > box.last[1] ||
+                box.first[2] > box.last[2])
+                continue;
+            const auto add = [&](const Index3& tile, std::uint64_t blocks) {
                 const std::uint32_t number = part.numbers.number(tile);
                 part.numbers.tiles[number].blocks |= blocks;
                 ++part.numbers.tiles[number].count;
                 part.pairs.push_back({number, site});
+            };
+            const Index3 first_tile(tile_of(box.first[0]), tile_of(box.first[1]),
+                                    tile_of(box.first[2]));
+            const Index3 last_tile(tile_of(box.last[0]), tile_of(box.last[1]),
+                                   tile_of(box.last[2]));
+            if (first_tile == last_tile) {
+                add(first_tile, blocks_in(box, first_tile));
+                continue;
+            }
+            const SiteRegion& region = regions[static_cast<std::size_t>(site - first)];
+            const NearTest near(sites.arrays(), site, region);
+            for_each_tile(box, region, [&](const Index3& tile, std::uint64_t blocks) {
+                if (near.may_meet(tile)) add(tile, blocks);
             });
         }
     }

@@ -130,6 +130,7 @@ void reorder(std::vector<ClosestBlock>& items, std::vector<std::uint32_t> from) 
 struct Band {
     FieldBlocks blocks = {};
     std::vector<ClosestBlock> closest = {};
+    std::vector<SampleBits> negative = {}; // of each block, if known
     double prepare_seconds = 0;
     std::int64_t distance_evaluations = 0;
 };
@@ -148,6 +149,7 @@ Band scan_band(const LatticeMesh& lattice, const MeshTopology& topology,
     }
     band.blocks.resize(found.block_count);
     band.closest.resize(options.closest ? found.block_count : 0);
+    band.negative.resize(found.block_count);
     TileTransform transform(sites, signs, options.voxel_size_world);
     ProgressMeter meter(progress, "transform", static_cast<double>(found.tiles.size()), 16);
     std::atomic<std::size_t> block_count = 0;
@@ -155,11 +157,13 @@ Band scan_band(const LatticeMesh& lattice, const MeshTopology& topology,
     tbb::parallel_for(std::size_t{0}, found.tiles.size(), [&](std::size_t i) {
         const BandTile& tile = found.tiles[i];
         evaluations +=
-            transform.run(tile, found.sites_of(tile), band.blocks, band.closest, block_count);
+            transform.run(tile, found.sites_of(tile),
+                          {band.blocks, band.negative, band.closest, block_count});
         meter.add(1);
     });
     band.distance_evaluations = evaluations;
     band.blocks.resize(block_count);
+    band.negative.resize(block_count);
     if (options.closest) band.closest.resize(block_count);
     return band;
 }
@@ -171,7 +175,7 @@ Band reference_band(const LatticeMesh& lattice, const ConvertOptions& options, d
                                                                memory_bytes, progress)
                              : scan_convert_prisms(lattice, options.half_width_voxels, Gaps::Close,
                                                    memory_bytes, progress);
-    return {std::move(band.blocks), {}, 0, band.distance_evaluations};
+    return {.blocks = std::move(band.blocks), .distance_evaluations = band.distance_evaluations};
 }
 
 } // namespace
@@ -241,7 +245,7 @@ ConvertResult convert(const CheckedMesh& input, const ConvertOptions& options,
                     : reference_band(lattice, options, memory, progress);
 
     if (options.sign == SignMethod::Auto && sign.method == SignMethod::Normal &&
-        !signs_are_consistent(band.blocks, options.voxel_size_world)) {
+        !signs_are_consistent(band.blocks, band.negative, options.voxel_size_world)) {
         sign.method = SignMethod::Winding;
         sign.reason = "those of normals contradict each other";
         sign.warnings.push_back("Signs come from the winding number, since those of normals "

@@ -146,6 +146,30 @@ ISOCAST_INLINE void store_floats(float* p, const Lanes<double>& a) {
     }
 }
 
+/// Of whole numbers.
+ISOCAST_INLINE void store_integers(int* p, const Lanes<double>& a) {
+    constexpr int n = Lanes<double>::native_lanes;
+    typedef int Narrow __attribute__((vector_size(n * int(sizeof(int)))));
+    for (int k = 0; k < Lanes<double>::part_count; ++k) {
+        const Narrow narrow = __builtin_convertvector(a.part[k], Narrow);
+        __builtin_memcpy(p + n * k, &narrow, sizeof narrow);
+    }
+}
+
+/// The nearest whole number, of |x| < 2^51; 1.5 * 2^52 leaves no fraction to what is added to it.
+ISOCAST_INLINE Lanes<double> rounded(const Lanes<double>& x) {
+    constexpr double magic = 0x1.8p52;
+    return x + magic - magic;
+}
+ISOCAST_INLINE Lanes<double> ceiling(const Lanes<double>& x) {
+    const Lanes<double> near = rounded(x);
+    return near + select(near < x, Lanes<double>(1.0), Lanes<double>(0.0));
+}
+ISOCAST_INLINE Lanes<double> floor_of(const Lanes<double>& x) {
+    const Lanes<double> near = rounded(x);
+    return near - select(x < near, Lanes<double>(1.0), Lanes<double>(0.0));
+}
+
 /// With the sign turned of lane i where bit i is set.
 ISOCAST_INLINE Lanes<float> negated(const Lanes<float>& a, unsigned which) {
     using Native = Mask<float>::Native;

@@ -10,6 +10,8 @@ namespace isocast {
 /// columns stay in the second cache, and its blocks are the bits of one word.
 inline constexpr int tile_size = 32;
 inline constexpr int tile_blocks = 4;
+/// The tile of a sample, along an axis.
+constexpr int tile_of(int sample) { return sample >> 5; }
 
 /// Squared distances of a tile's samples in columns along one axis k, u and v being the axes after
 /// it: sample (k, u, v) is at k + stride_u * u + stride_v * v.
@@ -61,9 +63,10 @@ struct ScanKernels {
     void (*find_fans)(const SiteArrays& sites, const std::uint32_t* corners,
                       const std::uint32_t* corner_begin, const char* is_open, std::int32_t begin,
                       std::int32_t end, FanData* fans);
-    /// Regions of the sites begin … end - 1, from the anchor.
+    /// The samples that the sites begin … end - 1 can reach, from the anchor, and the regions of
+    /// those that reach several tiles.
     void (*find_regions)(const SiteArrays& sites, std::int32_t begin, std::int32_t end,
-                         SiteRegion* regions);
+                         SampleBox* boxes, SiteRegion* regions);
     /// The sites of a list as the samples of its tile see them.
     void (*see_sites)(const TileInput& input, TileSite* seen);
     /// returns  how many distances were computed, all lanes counted

@@ -21,20 +21,6 @@ ISOCAST_INLINE double squared_reach(double half_width) {
     return (half_width + border_slack) * (half_width + border_slack);
 }
 
-/// The least integer >= x, and the greatest <= x, of those from 0 to tile_size - 1, or just beyond.
-ISOCAST_INLINE int ceiling(double x) {
-    if (!(x > 0)) return 0;
-    if (x > tile_size - 1) return tile_size;
-    const int i = int(x);
-    return i + (double(i) < x);
-}
-ISOCAST_INLINE int floor_of(double x) {
-    return x < 0 ? -1 : x >= tile_size - 1 ? tile_size - 1 : int(x);
-}
-
-ISOCAST_INLINE double least(double a, double b) { return a < b ? a : b; }
-ISOCAST_INLINE double greatest(double a, double b) { return a < b ? b : a; }
-
 enum class Kind { Face, Edge, Fan };
 
 /// Calls visit(seen, regions, next, count) for the sites next … next + count - 1 of the list, of
@@ -47,6 +33,8 @@ ISOCAST_INLINE void for_kind(const TileInput& input, std::int64_t& next, std::in
         int count = 1;
         while (count < lanes && next + count < input.count && input.list[next + count] < end)
             ++count;
+        for (std::int64_t i = next + count; i < next + 2 * lanes && i < input.count; ++i)
+            if (input.list[i] < end) Sites::prefetch(*input.sites, input.list[i] - first);
         const Sites sites(*input.sites, Numbers(input.list + next, count, first));
         SeenSites seen;
         const Regions regions = see(sites, *input.sites, input.first_sample, seen);
@@ -79,7 +67,7 @@ public:
     Scan(const TileInput& input, TileColumns& columns)
         : input_(input), columns_(columns), beyond_(squared_reach(input.sites->half_width)) {
         for (int k = 0; k < 3; ++k) columns_.is_used[k] = false;
-        for (int i = 0; i < lanes; ++i) steps_[i] = i;
+        for (int i = 0; i < tile_size; ++i) steps_[i] = i;
     }
 
     std::int64_t run() {
@@ -102,99 +90,97 @@ private:
 
     template<Kind kind>
     ISOCAST_INLINE void scan_site(const SeenSites& seen, int lane, std::int32_t site) {
-        const int v_first = ceiling(seen.v_low[lane]);
-        const int v_last = floor_of(seen.v_high[lane]);
-        if (v_first > v_last) return;
+        const int column_count = int(seen.column_count[lane]);
+        if (column_count == 0) return;
         const int axis = int(seen.axis[lane]);
         use(axis);
         double* const squares = columns_.signed_square[axis];
         double* const numbers = with_sites ? columns_.site[axis] : nullptr;
-        const auto function = [&](int i) __attribute__((always_inline)) -> SampleFunction {
-            return {seen.functions[i][0][lane], seen.functions[i][1][lane],
-                    seen.functions[i][2][lane], seen.functions[i][3][lane]};
-        };
-        const SampleFunction f0 = function(0);
-        const SampleFunction f1 = function(1);
-        const SampleFunction f2 = function(2);
-        const SampleFunction f3 = function(3);
-        const double end = seen.length[lane] + tower_slack;
-        const double normal_x = seen.normal_x[lane];
-        const double normal_y = seen.normal_y[lane];
-
-        for (int v = v_first; v <= v_last; ++v) {
-            const double lean = v * seen.lean_slope[lane];
-            const double u_low = greatest(seen.u_low[lane], seen.lean_low[lane] - lean);
-            const double u_high = least(seen.u_high[lane], seen.lean_high[lane] - lean);
-            const int u_last = floor_of(u_high);
-            const double row0 = f0.first + v * f0.along_v;
-            const double row1 = f1.first + v * f1.along_v;
-            const double row2 = f2.first + v * f2.along_v;
-            const double row3 = f3.first + v * f3.along_v;
-            for (int u_first = ceiling(u_low); u_first <= u_last; u_first += lanes) {
-                alignas(64) double from[lanes];
-                alignas(64) double to[lanes];
-                unsigned which = bound_columns(seen, lane, u_first, v, from, to);
-                if (u_last - u_first < lanes - 1) which &= (2u << (u_last - u_first)) - 1;
-                for (; which != 0; which &= which - 1) {
-                    const int column = __builtin_ctz(which);
-                    const int u = u_first + column;
-                    const int k_last = int(to[column]);
-                    const double at0 = row0 + u * f0.along_u;
-                    const double at1 = row1 + u * f1.along_u;
-                    const double at2 = row2 + u * f2.along_u;
-                    const double at3 = row3 + u * f3.along_u;
-                    for (int first = int(from[column]); first <= k_last; first += lanes) {
-                        const int k = first < tile_size - lanes ? first : tile_size - lanes;
-                        const Doubles steps = load(steps_) + double(k);
-                        const Doubles c0 = steps * f0.along_k + at0;
-                        const int at = k + TileColumns::stride_u * u + TileColumns::stride_v * v;
-                        if constexpr (kind == Kind::Face) {
-                            const Doubles slack = tower_slack;
-                            const auto is_over_face = (steps * f1.along_k + at1 <= slack) &
-                                                      (steps * f2.along_k + at2 <= slack) &
-                                                      (steps * f3.along_k + at3 <= slack);
-                            offer(squares, numbers, at, is_over_face, c0 * c0, c0, site);
-                        } else if constexpr (kind == Kind::Edge) {
-                            const Doubles c1 = steps * f1.along_k + at1;
-                            const Doubles along = steps * f2.along_k + at2;
-                            const auto is_beside =
-                                (Doubles(-tower_slack) <= along) & (along <= Doubles(end));
-                            offer(squares, numbers, at, is_beside, c0 * c0 + c1 * c1,
-                                  c0 * normal_x + c1 * normal_y, site);
-                        } else {
-                            const Doubles dk = steps + at1;
-                            const Doubles square = dk * dk + (at2 * at2 + at3 * at3);
-                            offer(squares, numbers, at, square < beyond_, square, c0, site);
-                        }
+        const Doubles along0 = seen.functions[0][1][lane];
+        const Doubles along1 = seen.functions[1][1][lane];
+        const Doubles along2 = seen.functions[2][1][lane];
+        const Doubles along3 = seen.functions[3][1][lane];
+        const Doubles end = seen.length[lane] + tower_slack;
+        const Doubles normal_x = seen.normal_x[lane];
+        const Doubles normal_y = seen.normal_y[lane];
+        ColumnBatch batch;
+        for (int first_column = 0; first_column < column_count; first_column += lanes) {
+            for (unsigned rest = find_columns<kind>(seen, lane, first_column, batch); rest != 0;
+                 rest &= rest - 1) {
+                const int column = __builtin_ctz(rest);
+                const int last = batch.last[column];
+                const Doubles at0 = batch.at[0][column];
+                const Doubles at1 = batch.at[1][column];
+                const Doubles at2 = batch.at[2][column];
+                const Doubles at3 = batch.at[3][column];
+                for (int first = batch.first[column]; first <= last; first += lanes) {
+                    const int k = first < tile_size - lanes ? first : tile_size - lanes;
+                    const int at = batch.place[column] + k;
+                    const Doubles steps = load(steps_ + k);
+                    const Doubles c0 = steps * along0 + at0;
+                    if constexpr (kind == Kind::Face) {
+                        const Doubles slack = tower_slack;
+                        const auto is_over_face = (steps * along1 + at1 <= slack) &
+                                                  (steps * along2 + at2 <= slack) &
+                                                  (steps * along3 + at3 <= slack);
+                        offer(squares, numbers, at, is_over_face, c0 * c0, c0, site);
+                    } else if constexpr (kind == Kind::Edge) {
+                        const Doubles c1 = steps * along1 + at1;
+                        const Doubles along = steps * along2 + at2;
+                        const auto is_beside = (Doubles(-tower_slack) <= along) & (along <= end);
+                        offer(squares, numbers, at, is_beside, c0 * c0 + c1 * c1,
+                              c0 * normal_x + c1 * normal_y, site);
+                    } else {
+                        const Doubles dk = steps + at1;
+                        const Doubles square = dk * dk + (at2 * at2 + at3 * at3);
+                        offer(squares, numbers, at, square < beyond_, square, c0, site);
                     }
                 }
             }
         }
     }
 
-    /// Where the columns u_first … of row v begin and end along k. returns  a bit for each that has
-    /// a sample
-    ISOCAST_INLINE unsigned bound_columns(const SeenSites& seen, int lane, int u_first, int v,
-                                          double* from, double* to) const {
-        const Doubles us = load(steps_) + double(u_first);
+    /// Eight columns side by side.
+    struct ColumnBatch {
+        alignas(64) double at[4][lanes]; // of the site's functions, at k = 0
+        int first[lanes];                // samples along k
+        int last[lanes];
+        int place[lanes]; // of sample 0 among all
+    };
+
+    /// A site's columns from `first_column` on. returns  a bit for each that has a sample
+    template<Kind kind>
+    ISOCAST_INLINE unsigned find_columns(const SeenSites& seen, int lane, int first_column,
+                                         ColumnBatch& batch) const {
+        const Doubles number = load(steps_) + double(first_column);
+        const Doubles width = seen.width[lane];
+        // Half a column away from where the next row begins.
+        const Doubles row = rounded((number + 0.5) / width - 0.5);
+        const Doubles v = row + seen.v_first[lane];
+        const Doubles start =
+            ceiling(Doubles(seen.row_start[lane]) - v * seen.row_slope[lane]);
+        const Doubles u = start + (number - row * width);
         Doubles low = 0.0;
         Doubles high = tile_size - 1.0;
-        for (const SeenSites::Bound& bound : seen.bounds) {
-            const Doubles shift = us * bound.slope_u[lane] + v * bound.slope_v[lane];
+        constexpr int bound_count = kind == Kind::Fan ? 5 : 4;
+        for (int i = 0; i < bound_count; ++i) {
+            const SeenSites::Bound& bound = seen.bounds[i];
+            const Doubles shift = u * bound.slope_u[lane] + v * bound.slope_v[lane];
             low = max(low, shift + bound.low[lane]);
             high = min(high, shift + bound.high[lane]);
         }
-        // Their integers: 1.5 * 2^52 leaves no fraction to what is added to it.
-        constexpr double magic = 0x1.8p52;
-        low = min(low, Doubles(tile_size));
-        high = max(high, -1.0);
-        const Doubles near_low = low + magic - magic;
-        const Doubles near_high = high + magic - magic;
-        const Doubles first = near_low + select(near_low < low, Doubles(1.0), Doubles(0.0));
-        const Doubles last = near_high - select(high < near_high, Doubles(1.0), Doubles(0.0));
-        store(from, first);
-        store(to, last);
-        return bits(first <= last);
+        const Doubles first = ceiling(min(low, tile_size));
+        const Doubles last = floor_of(max(high, -1.0));
+        store_integers(batch.first, first);
+        store_integers(batch.last, last);
+        store_integers(batch.place, u * double(TileColumns::stride_u) +
+                                        v * double(TileColumns::stride_v));
+        for (int i = 0; i < 4; ++i) {
+            const auto& f = seen.functions[i];
+            store(batch.at[i], Doubles(f[0][lane]) + v * f[3][lane] + u * f[2][lane]);
+        }
+        return bits((first <= last) & (number < seen.column_count[lane]) &
+                    (Doubles(seen.u_first[lane]) <= u) & (u <= Doubles(seen.u_last[lane])));
     }
 
     /// Keeps the lesser of what a column holds and `square`, with the sign of `side`.
@@ -213,7 +199,7 @@ private:
     const TileInput& input_;
     TileColumns& columns_;
     double beyond_;
-    alignas(64) double steps_[lanes];
+    alignas(64) double steps_[tile_size];
     std::int64_t evaluations_ = 0;
 };
 
@@ -477,10 +463,17 @@ void for_sites(const SiteArrays& sites, std::int32_t begin, std::int32_t end, co
     }
 }
 
-void find_regions(const SiteArrays& sites, std::int32_t begin, std::int32_t end,
+void find_regions(const SiteArrays& sites, std::int32_t begin, std::int32_t end, SampleBox* boxes,
                   SiteRegion* regions) {
     for_sites(sites, begin, end, [&](const Regions& eight, std::int32_t first, std::int32_t count) {
-        eight.write(regions + (first - begin), count);
+        SampleBox* const box = boxes + (first - begin);
+        eight.write_boxes(box, count);
+        eight.write(regions + (first - begin), count, [&](int lane) {
+            bool is_several = false;
+            for (int k = 0; k < 3; ++k)
+                is_several |= tile_of(box[lane].first[k]) != tile_of(box[lane].last[k]);
+            return is_several;
+        });
     });
 }
 
@@ -488,7 +481,7 @@ void see_sites(const TileInput& input, TileSite* to) {
     for_all_sites(input, [&]<Kind kind>(const SeenSites& seen, const Regions& regions,
                                         std::int64_t next, int count) {
         SiteRegion from_anchor[lanes];
-        regions.write(from_anchor, count);
+        regions.write(from_anchor, count, [](int) { return true; });
         for (int lane = 0; lane < count; ++lane) {
             TileSite& site = to[next + lane];
             site.region = from_anchor[lane];

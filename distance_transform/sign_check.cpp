@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/sign_check.h"
 
-#include "distance_transform/block_signs.h"
 #include "distance_transform/progress_meter.h"
 
 #include <tbb/parallel_for.h>
@@ -17,20 +16,19 @@ namespace {
 
 class SignCheck {
 public:
-    SignCheck(const FieldBlocks& blocks, double voxel_size)
+    SignCheck(const FieldBlocks& blocks, std::span<const SampleBits> negative, double voxel_size)
         : blocks_(blocks), order_(zyx_order(blocks)),
           least_sum_(voxel_size * (1 + 1e-5)), // 1e-5: rounding to float
-          coordinates_(blocks.size()), negative_(blocks.size()) {}
+          coordinates_(blocks.size()), negative_(blocks.size()) {
+        tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
+            coordinates_[b] = block(b).coordinate;
+            negative_[b] = negative.empty() ? negative_bits(block(b)) : negative[order_[b]];
+        });
+    }
 
     bool run() {
         constexpr std::size_t grain = 256;
         const tbb::blocked_range<std::size_t> all(0, blocks_.size(), grain);
-        tbb::parallel_for(all, [&](const auto& range) {
-            for (std::size_t b = range.begin(); b < range.end(); ++b) {
-                coordinates_[b] = block(b).coordinate;
-                negative_[b] = negative_bits(block(b));
-            }
-        });
         std::atomic<bool> is_consistent = true;
         tbb::parallel_for(all, [&](const auto& range) {
             if (is_consistent && !fits(range.begin(), range.end())) is_consistent = false;
@@ -83,15 +81,20 @@ private:
 
     /// The last layer of block b and the first of its neighbour.
     bool fits_across(std::size_t b, std::size_t neighbour, int axis) const {
+        const auto& words = negative_[b].words;
+        const auto& next = negative_[neighbour].words;
         const int stride = axis == 0 ? 1 : axis == 1 ? block_size : block_size * block_size;
-        const int u = axis == 0 ? block_size : 1;
-        const int v = axis == 2 ? block_size : block_size * block_size;
-        for (int k = 0; k < block_size * block_size; ++k) {
-            const int near = k % block_size * u + k / block_size * v;
-            const int far = near + (block_size - 1) * stride;
-            if (negative_[b][far] != negative_[neighbour][near] &&
-                are_far(block(b).values[far], block(neighbour).values[near]))
-                return false;
+        for (int z = 0; z < (axis == 2 ? 1 : block_size); ++z) {
+            constexpr std::uint64_t first_column = 0x0101010101010101;
+            std::uint64_t changes = 0; // at the samples of the neighbour
+            if (axis == 0) changes = (words[z] >> 7 ^ next[z]) & first_column;
+            if (axis == 1) changes = (words[z] >> 56 ^ next[z]) & 0xff;
+            if (axis == 2) changes = words[block_size - 1] ^ next[0];
+            for (; changes != 0; changes &= changes - 1) {
+                const int near = 64 * z + std::countr_zero(changes);
+                const int far = near + (block_size - 1) * stride;
+                if (are_far(block(b).values[far], block(neighbour).values[near])) return false;
+            }
         }
         return true;
     }
@@ -116,8 +119,9 @@ private:
 
 } // namespace
 
-bool signs_are_consistent(const FieldBlocks& blocks, double voxel_size_world) {
-    return SignCheck(blocks, voxel_size_world).run();
+bool signs_are_consistent(const FieldBlocks& blocks, std::span<const SampleBits> negative,
+                          double voxel_size_world) {
+    return SignCheck(blocks, negative, voxel_size_world).run();
 }
 
 void sign_by_winding_number(FieldBlocks& blocks, const WindingNumber& winding,

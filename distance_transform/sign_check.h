@@ -2,11 +2,10 @@
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
-#include "distance_transform/winding_number.h"
+#include "distance_transform/block_signs.h"
 #include "volume/progress.h"
-#include "volume/sparse_field.h"
 
-#include <vector>
+#include <span>
 
 namespace isocast {
 
@@ -14,7 +13,10 @@ namespace isocast {
 /// for it to pass between them, where a row of missing blocks ends with another sign than it
 /// begins, or where it leaves the box inside: the surface intersects itself, or a shell is inside
 /// out.
-bool signs_are_consistent(const FieldBlocks& blocks, double voxel_size_world);
+///
+/// negative  samples of each block, if they are known already; else empty
+bool signs_are_consistent(const FieldBlocks& blocks, std::span<const SampleBits> negative,
+                          double voxel_size_world);
 
 /// Gives all samples the sign of the winding number, and keeps their distances.
 ///

@@ -70,6 +70,12 @@ struct SiteRegion {
     std::int32_t axis;        // of the greatest component of `direction`
 };
 
+/// Samples, first and last; empty if any first > last.
+struct SampleBox {
+    std::int32_t first[3];
+    std::int32_t last[3];
+};
+
 /// A linear function of a tile's samples, by steps along the column's axis k and along the two
 /// after it. All that evaluate it do so as k * along_k + ((first + v * along_v) + u * along_u), so
 /// that they get the same bits.

@@ -155,7 +155,33 @@ struct Regions {
         return {at_axis(a), after_axis(a), before_axis(a)};
     }
 
-    void write(SiteRegion* to, int count) const {
+    void write_boxes(SampleBox* to, int count) const {
+        const Doubles zero = 0.0;
+        const Doubles reach = lateral + slope * max(zero - low, high);
+        const auto is_empty = high < low;
+        int rows[6][lanes];
+        const auto bound = [&](int k, const Doubles& least, const Doubles& greatest,
+                               const Doubles& w, const Doubles& f) __attribute__((always_inline)) {
+            const Doubles aside = reach * f;
+            const Doubles first = ceiling(least + min(low * w, high * w) - aside);
+            store_integers(rows[k], select(is_empty, Doubles(1.0), first));
+            const Doubles last = floor_of(greatest + max(low * w, high * w) + aside);
+            store_integers(rows[3 + k], select(is_empty, zero, last));
+        };
+        bound(0, base_min.x, base_max.x, direction.x, factor.x);
+        bound(1, base_min.y, base_max.y, direction.y, factor.y);
+        bound(2, base_min.z, base_max.z, direction.z, factor.z);
+        for (int lane = 0; lane < count; ++lane) {
+            for (int k = 0; k < 3; ++k) {
+                to[lane].first[k] = rows[k][lane];
+                to[lane].last[k] = rows[3 + k][lane];
+            }
+        }
+    }
+
+    /// Those of which is_wanted(lane).
+    template<class Where>
+    ISOCAST_INLINE void write(SiteRegion* to, int count, const Where& is_wanted) const {
         alignas(64) double rows[17][lanes];
         const Doubles* const from[17] = {
             &base_min.x, &base_min.y, &base_min.z, &base_max.x,  &base_max.y, &base_max.z,
@@ -163,6 +189,7 @@ struct Regions {
             &slope,      &factor.x,   &factor.y,   &factor.z,   &axis};
         for (int i = 0; i < 17; ++i) store(rows[i], *from[i]);
         for (int lane = 0; lane < count; ++lane) {
+            if (!is_wanted(lane)) continue;
             SiteRegion& region = to[lane];
             for (int k = 0; k < 3; ++k) {
                 region.base_min[k] = rows[k][lane];
@@ -211,6 +238,11 @@ struct Faces {
     Side right;
     Side left;
 
+    /// What the constructor will read: it lies about in memory.
+    static ISOCAST_INLINE void prefetch(const SiteArrays& sites, std::int32_t face) {
+        for (int k = 0; k < 3; ++k)
+            __builtin_prefetch(sites.vertices[sites.triangles[face][k]]);
+    }
     ISOCAST_INLINE Faces(const SiteArrays& sites, const Numbers& numbers) {
         Gathered<9> in;
         for (int lane = 0; lane < lanes; ++lane)
@@ -277,6 +309,13 @@ struct Edges {
     Doubles slope;
     Mask<double> is_empty;
 
+    static ISOCAST_INLINE void prefetch(const SiteArrays& sites, std::int32_t number) {
+        const EdgeData& edge = sites.edges[number];
+        for (int k = 0; k < 2; ++k) {
+            __builtin_prefetch(sites.vertices[edge.ends[k]]);
+            __builtin_prefetch(&sites.faces[edge.faces[k]]);
+        }
+    }
     ISOCAST_INLINE Edges(const SiteArrays& sites, const Numbers& numbers) {
         Gathered<16> in;
         alignas(64) double kinds[4][lanes];
@@ -372,6 +411,9 @@ struct Fans {
     Doubles slope;
     Mask<double> is_empty;
 
+    static ISOCAST_INLINE void prefetch(const SiteArrays& sites, std::int32_t fan) {
+        __builtin_prefetch(sites.vertices[sites.fans[fan].vertex]);
+    }
     ISOCAST_INLINE Fans(const SiteArrays& sites, const Numbers& numbers) {
         Gathered<8> in;
         for (int lane = 0; lane < lanes; ++lane) {
@@ -434,14 +476,15 @@ struct SeenSites {
     double length[lanes];
     double normal_x[lanes];
     double normal_y[lanes];
-    // The columns lie within this rectangle and, in row v, low <= u + v * slope <= high.
-    double u_low[lanes];
-    double u_high[lanes];
-    double v_low[lanes];
-    double v_high[lanes];
-    double lean_low[lanes];
-    double lean_high[lanes];
-    double lean_slope[lanes];
+    /// The columns, v_count rows of `width` each, of which row v begins at the first whole number
+    /// from row_start - v * row_slope; those from u_first to u_last count.
+    double v_first[lanes];
+    double width[lanes];
+    double row_start[lanes];
+    double row_slope[lanes];
+    double u_first[lanes];
+    double u_last[lanes];
+    double column_count[lanes];
     /// The samples of column (u, v) lie, for each of these,
     /// low <= k - (u * slope_u + v * slope_v) <= high.
     struct Bound {
@@ -450,8 +493,7 @@ struct SeenSites {
         double slope_u[lanes];
         double slope_v[lanes];
     };
-    static constexpr int bound_count = 5;
-    Bound bounds[bound_count];
+    Bound bounds[5]; // 4 of faces and edges
 
     ISOCAST_INLINE void set(int i, const SampleFunctions& f) {
         store(functions[i][0], f.first);
@@ -493,13 +535,19 @@ struct SeenSites {
         const Doubles high =
             min(regions.high, (Doubles(tile_size - 1.0) - min_corner.x + aside) * inverse);
         const Doubles lateral = regions.lateral + regions.slope * max(zero - low, high);
-        store(u_low, min_corner.y + min(low * w.y, high * w.y) - lateral * factor.y);
-        store(u_high, max_corner.y + max(low * w.y, high * w.y) + lateral * factor.y);
-        store(v_low, select(low <= high,
-                            min_corner.z + min(low * w.z, high * w.z) - lateral * factor.z,
-                            Doubles(huge)));
-        store(v_high, max_corner.z + max(low * w.z, high * w.z) + lateral * factor.z);
-
+        const auto within_tile = [](const Doubles& x) __attribute__((always_inline)) {
+            return clamp(x, -1.0, tile_size);
+        };
+        const Doubles u_low = ceiling(max(
+            zero, within_tile(min_corner.y + min(low * w.y, high * w.y) - lateral * factor.y)));
+        const Doubles u_high = floor_of(min(
+            tile_size - 1.0,
+            within_tile(max_corner.y + max(low * w.y, high * w.y) + lateral * factor.y)));
+        const Doubles v_low = ceiling(max(
+            zero, within_tile(min_corner.z + min(low * w.z, high * w.z) - lateral * factor.z)));
+        const Doubles v_high = floor_of(min(
+            tile_size - 1.0,
+            within_tile(max_corner.z + max(low * w.z, high * w.z) + lateral * factor.z)));
         // Between two lines along the lean of the heights, m across it.
         const Doubles m_u = zero - w.z;
         const Doubles& m_v = w.y;
@@ -513,14 +561,21 @@ struct SeenSites {
         }
         const Doubles side = lateral + 3 * least_overlap +
                              (absolute(least) + absolute(greatest)) * coordinate_rounding;
-        // Nearly along the rows they would cut them far off.
-        const auto is_told = Doubles(0.02) < absolute(m_u);
         const Doubles by_u = Doubles(1.0) / m_u;
-        const Doubles from = (least - side) * by_u;
-        const Doubles to = (greatest + side) * by_u;
-        store(lean_low, select(is_told, min(from, to), Doubles(-huge)));
-        store(lean_high, select(is_told, max(from, to), Doubles(huge)));
-        store(lean_slope, select(is_told, m_v * by_u, zero));
+        const Doubles from = min((least - side) * by_u, (greatest + side) * by_u);
+        const Doubles to = max((least - side) * by_u, (greatest + side) * by_u);
+        const Doubles of_box = u_high - u_low + 1.0;
+        // Nearly along the rows the lines would cut them far off.
+        const auto is_lean = (Doubles(0.02) < absolute(m_u)) & (to - from < of_box - 1.0);
+        const Doubles row_width = select(is_lean, floor_of(min(to - from, tile_size)) + 1.0, of_box);
+        store(width, row_width);
+        store(row_start, select(is_lean, from, u_low));
+        store(row_slope, select(is_lean, m_v * by_u, zero));
+        store(u_first, u_low);
+        store(u_last, u_high);
+        store(v_first, v_low);
+        const auto is_met = (low <= high) & (u_low <= u_high) & (v_low <= v_high);
+        store(column_count, select(is_met, row_width * (v_high - v_low + 1.0), zero));
     }
 };
 
@@ -543,7 +598,6 @@ ISOCAST_INLINE Regions see(const Faces& faces, const SiteArrays& sites, const do
         seen.set(1 + i, outwards[i]);
         seen.set_bound(1 + i, outwards[i], -huge, zero);
     }
-    seen.set_bound(4, {zero, {zero, zero, zero}}, zero, zero);
     seen.set_columns(regions, faces.corners, 3, first_sample);
     return regions;
 }
@@ -571,7 +625,6 @@ ISOCAST_INLINE Regions see(const Edges& edges, const SiteArrays& sites, const do
         edges.lateral + select(is_wedge, zero, edges.slope * sites.half_width);
     seen.set_bound(2, combined(1.0, y, zero - slope, x, zero), -huge, offset);
     seen.set_bound(3, combined(1.0, y, slope, x, zero), zero - offset, huge);
-    seen.set_bound(4, {zero, {zero, zero, zero}}, zero, zero);
     seen.set_columns(regions, edges.ends, 2, first_sample);
     return regions;
 }

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/tile_transform.h"
 
-#include "distance_transform/block_signs.h"
-
 #include <bit>
 #include <cstring>
 #include <memory>
@@ -11,10 +9,9 @@
 namespace isocast {
 
 std::int64_t TileTransform::run(const BandTile& tile, std::span<const std::int32_t> list,
-                                std::span<FieldBlock> blocks, std::span<ClosestBlock> closest,
-                                std::atomic<std::size_t>& next) {
+                                const BandOutput& output) {
     constexpr std::size_t lines = TileColumns::count / std::size(Line{}.squares);
-    const bool with_sites = !closest.empty();
+    const bool with_sites = !output.closest.empty();
     Columns& memory = columns_.local();
     memory.resize((with_sites ? 6 : 3) * lines);
     TileColumns columns{};
@@ -38,18 +35,19 @@ std::int64_t TileTransform::run(const BandTile& tile, std::span<const std::int32
         if (!kernels.finish(columns, sites_.arrays().half_width, voxel_size_, at.x(), at.y(),
                             at.z(), scanned))
             continue;
-        const std::size_t place = next++;
-        FieldBlock& block = *std::construct_at(&blocks[place]);
+        const std::size_t place = output.count++;
+        FieldBlock& block = *std::construct_at(&output.blocks[place]);
         block.coordinate = tile_blocks * tile.coordinate + at;
-        write(scanned, block);
-        if (with_sites) find_closest(block, scanned, closest[place]);
+        write(scanned, block, output.negative[place]);
+        if (with_sites) find_closest(block, scanned, output.closest[place]);
     }
     return evaluations;
 }
 
-void TileTransform::write(const ScannedBlock& scanned, FieldBlock& block) const {
+void TileTransform::write(const ScannedBlock& scanned, FieldBlock& block,
+                          SampleBits& negative) const {
     const SampleBits active = bits_of_rows(scanned.active);
-    SampleBits negative;
+    negative = {};
     if (signs_.is_signed) {
         negative =
             signs_.winding

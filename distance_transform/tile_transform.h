@@ -3,9 +3,8 @@
 #pragma once
 
 #include "distance_transform/band_tiles.h"
+#include "distance_transform/block_signs.h"
 #include "distance_transform/closest_block.h"
-#include "distance_transform/winding_number.h"
-#include "volume/sparse_field.h"
 
 #include <tbb/enumerable_thread_specific.h>
 
@@ -19,6 +18,14 @@ struct BandSigns {
     const WindingNumber* winding = nullptr; // null leaves it to the sites' normals
 };
 
+/// Where the blocks of all tiles go: room for all, of which `count` is in use.
+struct BandOutput {
+    std::span<FieldBlock> blocks;
+    std::span<SampleBits> negative;   // samples of each block
+    std::span<ClosestBlock> closest; // of each block; empty if not wanted
+    std::atomic<std::size_t>& count;
+};
+
 /// The transform of a mesh, in voxels; tiles are independent of each other.
 class TileTransform {
 public:
@@ -29,12 +36,9 @@ public:
     /// ± background with the sign of the active ones next to them. From several threads at once.
     ///
     /// list     numbers of all sites that hold the nearest point of a sample in the band
-    /// blocks   room for all blocks of all tiles; `next` counts those in use
-    /// closest  beside the blocks and filled too, unless empty
     /// returns  how many distances were computed
     std::int64_t run(const BandTile& tile, std::span<const std::int32_t> list,
-                     std::span<FieldBlock> blocks, std::span<ClosestBlock> closest,
-                     std::atomic<std::size_t>& next);
+                     const BandOutput& output);
 
 private:
     struct alignas(64) Line {
@@ -42,7 +46,7 @@ private:
     };
     using Columns = std::vector<Line, FreshMemory<Line>>;
 
-    void write(const ScannedBlock& scanned, FieldBlock& block) const;
+    void write(const ScannedBlock& scanned, FieldBlock& block, SampleBits& negative) const;
     void find_closest(const FieldBlock& block, const ScannedBlock& scanned,
                       ClosestBlock& closest) const;
 

@@ -192,12 +192,8 @@ public:
         sites_.vertices.resize(fan_count);
         for_all(face_count, [&](std::size_t t) { sites_.regions[t] = add_face(t); });
         for_all(edge_count, [&](std::size_t e) { sites_.regions[face_count + e] = add_edge(e); });
-        const Buckets fans = buckets_of(topology_.fan_of_corner.size(), fan_count,
-                                        [&](std::size_t c) { return topology_.fan_of_corner[c]; });
         for_all(fan_count, [&](std::size_t f) {
-            const auto corners =
-                std::span(fans.order).subspan(fans.begin[f], fans.begin[f + 1] - fans.begin[f]);
-            sites_.regions[face_count + edge_count + f] = add_vertex(f, corners);
+            sites_.regions[face_count + edge_count + f] = add_vertex(f, topology_.fan(f));
         });
         return std::move(sites_);
     }

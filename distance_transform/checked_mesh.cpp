@@ -8,10 +8,12 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
+#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <functional>
 
 namespace isocast {
 
@@ -42,8 +44,8 @@ std::uint64_t hash_of(const Vec3d& p) {
 std::vector<int> first_at_position(const Mesh& mesh, MeshVerdict& verdict) {
     const std::vector<char> is_used = used_vertices(mesh);
     std::vector<int> first(mesh.vertices_world.size(), -1);
-    // Open addressing, at most half full.
-    std::vector<int> slots(2 * std::bit_ceil(mesh.vertices_world.size()), -1);
+    // Open addressing, at most two thirds full.
+    std::vector<int> slots(std::bit_ceil(3 * mesh.vertices_world.size() / 2 + 1), -1);
     for (int v = 0; v < std::ssize(mesh.vertices_world); ++v) {
         if (!is_used[v]) {
             ++verdict.unreferenced_vertices;
@@ -63,11 +65,13 @@ std::vector<int> first_at_position(const Mesh& mesh, MeshVerdict& verdict) {
 }
 
 bool is_degenerate(const Mesh& mesh, const std::array<int, 3>& triangle) {
-    const auto [a, b, c] = triangle;
-    if (a == b || b == c || c == a) return true;
-    const Vec3d& origin = mesh.vertices_world[a];
-    return (mesh.vertices_world[b] - origin).cross(mesh.vertices_world[c] - origin) ==
-           Vec3d::Zero();
+    const auto [i, j, k] = triangle;
+    const Vec3d& a = mesh.vertices_world[i];
+    const Vec3d& b = mesh.vertices_world[j];
+    const Vec3d& c = mesh.vertices_world[k];
+    // Corners that are not finite make no cross product 0.
+    return i == j || j == k || k == i || a == b || b == c || c == a ||
+           (b - a).cross(c - a) == Vec3d::Zero();
 }
 
 /// Of the merged triangle: its vertices in ascending order.
@@ -110,80 +114,111 @@ std::vector<char> repeats(const std::vector<std::array<int, 3>>& triangles,
     return is_repeat;
 }
 
-/// The triangles over merged vertices that have an area and repeat no earlier one.
-std::vector<std::array<int, 3>> kept_triangles(const Mesh& mesh, MeshVerdict& verdict) {
-    const std::vector<int> first = first_at_position(mesh, verdict);
-    std::vector<std::array<int, 3>> kept;
-    for (const auto& [a, b, c] : mesh.triangles) {
-        const std::array merged = {first[a], first[b], first[c]};
-        if (is_degenerate(mesh, merged))
-            ++verdict.degenerate_triangles;
-        else
-            kept.push_back(merged);
-    }
-
-    const std::vector<char> is_repeat = repeats(kept, mesh.vertices_world.size());
-    verdict.duplicate_triangles = static_cast<int>(std::ranges::count(is_repeat, 1));
-    std::size_t next = 0;
-    for (std::size_t i = 0; i < kept.size(); ++i)
-        if (!is_repeat[i]) kept[next++] = kept[i];
-    kept.resize(next);
-    return kept;
-}
-
-/// `triangles` over the vertices that they use, in the order of `mesh`.
-Mesh compacted(const Mesh& mesh, std::vector<std::array<int, 3>> triangles) {
-    Mesh result;
-    result.triangles = std::move(triangles);
-    std::vector<int> renumbered(mesh.vertices_world.size(), -1);
-    for (const std::array<int, 3>& triangle : result.triangles)
-        for (const int vertex : triangle) renumbered[vertex] = 0;
+/// Takes each vertex for the first at its position, and leaves out vertices that no triangle uses.
+void compact(Mesh& mesh, const std::vector<int>& first) {
+    std::vector<int> renumbered(first.size(), -1);
+    for (const std::array<int, 3>& triangle : mesh.triangles)
+        for (const int vertex : triangle) renumbered[first[vertex]] = 0;
+    int count = 0;
     for (std::size_t v = 0; v < renumbered.size(); ++v) {
         if (renumbered[v] < 0) continue;
-        renumbered[v] = static_cast<int>(result.vertices_world.size());
-        result.vertices_world.push_back(mesh.vertices_world[v]);
+        mesh.vertices_world[count] = mesh.vertices_world[v];
+        renumbered[v] = count++;
     }
-    for (std::array<int, 3>& triangle : result.triangles)
-        for (int& vertex : triangle) vertex = renumbered[vertex];
+    mesh.vertices_world.resize(count);
+    for (std::array<int, 3>& triangle : mesh.triangles)
+        for (int& vertex : triangle) vertex = renumbered[first[vertex]];
+}
+
+/// The triangles with an area over merged vertices.
+Mesh merged(const Mesh& mesh, MeshVerdict& verdict) {
+    Mesh result;
+    std::vector<int> first;
+    tbb::parallel_invoke(
+        [&] {
+            first = first_at_position(mesh, verdict);
+            result.vertices_world = mesh.vertices_world;
+        },
+        [&] {
+            result.triangles.reserve(mesh.triangles.size());
+            std::ranges::copy_if(
+                mesh.triangles, std::back_inserter(result.triangles),
+                [&](const auto& triangle) { return !is_degenerate(mesh, triangle); });
+        });
+    verdict.degenerate_triangles =
+        static_cast<int>(mesh.triangles.size() - result.triangles.size());
+    const int vertices_to_drop = verdict.unreferenced_vertices + verdict.duplicate_vertices;
+    if (vertices_to_drop + verdict.degenerate_triangles > 0) compact(result, first);
     return result;
 }
 
-void count_edges(const Mesh& mesh, const MeshTopology& topology, MeshVerdict& verdict) {
+int opposite(const Mesh& mesh, std::uint32_t halfedge) {
+    return mesh.triangles[halfedge / 3][(halfedge % 3 + 2) % 3];
+}
+
+struct EdgeCounts {
+    int boundary = 0;
+    int non_manifold = 0;
+    int flipped = 0;
+    int folded = 0; // between two triangles of the same vertices
+
+    EdgeCounts operator+(const EdgeCounts& other) const {
+        return {boundary + other.boundary, non_manifold + other.non_manifold,
+                flipped + other.flipped, folded + other.folded};
+    }
+};
+
+EdgeCounts edge_counts(const Mesh& mesh, const MeshTopology& topology) {
+    const auto add_edges = [&](const auto& range, EdgeCounts counts) {
+        for (std::size_t e = range.begin(); e < range.end(); ++e) {
+            const auto halfedges = topology.edge(e);
+            if (halfedges.size() != 2) {
+                ++(halfedges.size() == 1 ? counts.boundary : counts.non_manifold);
+                continue;
+            }
+            const std::uint32_t a = halfedges[0];
+            const std::uint32_t b = halfedges[1];
+            counts.flipped += halfedge_from(mesh, a) == halfedge_from(mesh, b) ? 1 : 0;
+            counts.folded += opposite(mesh, a) == opposite(mesh, b) ? 1 : 0;
+        }
+        return counts;
+    };
+    return tbb::parallel_reduce(tbb::blocked_range<std::size_t>(0, topology.edge_count(), 4096),
+                                EdgeCounts{}, add_edges, std::plus<>());
+}
+
+int boundary_loops(const Mesh& mesh, const MeshTopology& topology) {
     DisjointSets boundary(mesh.vertices_world.size());
     std::vector<char> is_on_boundary(mesh.vertices_world.size(), 0);
     for (std::size_t e = 0; e < topology.edge_count(); ++e) {
         const auto halfedges = topology.edge(e);
-        if (halfedges.size() == 1) {
-            ++verdict.boundary_edges;
-            const int from = halfedge_from(mesh, halfedges[0]);
-            const int to = halfedge_to(mesh, halfedges[0]);
-            is_on_boundary[from] = is_on_boundary[to] = 1;
-            boundary.unite(from, to);
-        } else if (halfedges.size() > 2) {
-            ++verdict.non_manifold_edges;
-        } else if (halfedge_from(mesh, halfedges[0]) == halfedge_from(mesh, halfedges[1])) {
-            ++verdict.flipped_edges;
-        }
+        if (halfedges.size() != 1) continue;
+        const int from = halfedge_from(mesh, halfedges[0]);
+        const int to = halfedge_to(mesh, halfedges[0]);
+        is_on_boundary[from] = is_on_boundary[to] = 1;
+        boundary.unite(from, to);
     }
+    int count = 0;
     for (int v = 0; v < std::ssize(mesh.vertices_world); ++v)
-        verdict.boundary_loops += is_on_boundary[v] && boundary.find(v) == v ? 1 : 0;
+        count += is_on_boundary[v] && boundary.find(v) == v ? 1 : 0;
+    return count;
 }
 
-void count_pinched_vertices(const Mesh& mesh, const MeshTopology& topology, MeshVerdict& verdict) {
-    std::vector<int> fan(mesh.vertices_world.size(), -1);
-    std::vector<char> is_pinched(mesh.vertices_world.size(), 0);
-    for (std::size_t c = 0; c < topology.fan_of_corner.size(); ++c) {
-        const int vertex = mesh.triangles[c / 3][c % 3];
-        if (fan[vertex] < 0) fan[vertex] = topology.fan_of_corner[c];
-        if (fan[vertex] == topology.fan_of_corner[c] || is_pinched[vertex]) continue;
-        is_pinched[vertex] = 1;
-        ++verdict.non_manifold_vertices;
-    }
+/// Vertices of more than one fan.
+int pinched_vertices(const Mesh& mesh, const MeshTopology& topology) {
+    std::vector<int> fans(mesh.vertices_world.size());
+    for (std::size_t f = 0; f < topology.fan_begin.size() - 1; ++f)
+        ++fans[halfedge_from(mesh, topology.fan(f)[0])];
+    return static_cast<int>(std::ranges::count_if(fans, [](int count) { return count > 1; }));
 }
 
 /// Relative to the middle of the box, so that it does not cancel far from the origin.
 double signed_volume(const Mesh& mesh) {
-    const WorldBox box = bounding_box(mesh);
+    WorldBox box{mesh.vertices_world[0], mesh.vertices_world[0]}; // all its vertices are in use
+    for (const Vec3d& p : mesh.vertices_world) {
+        box.min = box.min.cwiseMin(p);
+        box.max = box.max.cwiseMax(p);
+    }
     const Vec3d middle = box.min + box.size() / 2;
     double six_volumes = 0;
     for (const auto& [a, b, c] : mesh.triangles)
@@ -193,11 +228,29 @@ double signed_volume(const Mesh& mesh) {
     return six_volumes / 6;
 }
 
+/// Finds the topology and the volume.
+void examine(CheckedMesh& checked) {
+    tbb::parallel_invoke([&] { checked.topology = topology_of(checked.mesh); },
+                         [&] { checked.verdict.volume_world = signed_volume(checked.mesh); });
+}
+
+/// Takes out triangles that repeat an earlier one. returns  whether there are any
+bool remove_repeats(CheckedMesh& checked) {
+    std::vector<std::array<int, 3>>& triangles = checked.mesh.triangles;
+    const std::vector<char> is_repeat = repeats(triangles, checked.mesh.vertices_world.size());
+    std::size_t kept = 0;
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+        if (!is_repeat[t]) triangles[kept++] = triangles[t];
+    checked.verdict.duplicate_triangles = static_cast<int>(triangles.size() - kept);
+    triangles.resize(kept);
+    return checked.verdict.duplicate_triangles > 0;
+}
+
 template<class IsTurned>
 void turn(CheckedMesh& checked, const IsTurned& is_turned) {
     for (std::size_t t = 0; t < checked.mesh.triangles.size(); ++t)
         if (is_turned(t)) std::swap(checked.mesh.triangles[t][1], checked.mesh.triangles[t][2]);
-    checked.topology = topology_of(checked.mesh);
+    examine(checked);
 }
 
 /// Turns the triangles that disagree with their neighbours, if all can be made to agree.
@@ -268,21 +321,28 @@ CheckedMesh check(const Mesh& mesh) {
     MeshVerdict& verdict = result.verdict;
     verdict.vertices = static_cast<int>(mesh.vertices_world.size());
     verdict.triangles = static_cast<int>(mesh.triangles.size());
-    result.mesh = compacted(mesh, kept_triangles(mesh, verdict));
+    result.mesh = merged(mesh, verdict);
     if (result.mesh.triangles.empty())
         throw InputError(fmt::format("the mesh has no triangle with an area ({} triangles given)",
                                      verdict.triangles));
 
-    result.topology = topology_of(result.mesh);
-    const MeshTopology& topology = result.topology;
-    verdict.shells = topology.shell_count;
-    tbb::parallel_invoke([&] { count_edges(result.mesh, topology, verdict); },
-                         [&] { count_pinched_vertices(result.mesh, topology, verdict); });
-    if (verdict.flipped_edges > 0) orient(result);
-    verdict.volume_world = signed_volume(result.mesh);
+    examine(result);
+    EdgeCounts edges = edge_counts(result.mesh, result.topology);
+    // A triangle that repeats another one shares its edges.
+    if (edges.folded + edges.non_manifold > 0 && remove_repeats(result)) {
+        examine(result);
+        edges = edge_counts(result.mesh, result.topology);
+    }
+    verdict.boundary_edges = edges.boundary;
+    verdict.non_manifold_edges = edges.non_manifold;
+    verdict.flipped_edges = edges.flipped;
+    verdict.shells = result.topology.shell_count;
+    if (edges.boundary > 0) verdict.boundary_loops = boundary_loops(result.mesh, result.topology);
+    if (result.topology.fan_count > std::ssize(result.mesh.vertices_world))
+        verdict.non_manifold_vertices = pinched_vertices(result.mesh, result.topology);
+    if (edges.flipped > 0) orient(result);
     if (verdict.is_closed() && verdict.is_oriented() && verdict.volume_world < 0) {
         turn(result, [](std::size_t) { return true; });
-        verdict.volume_world = -verdict.volume_world;
         verdict.reversed = true;
     }
     result.warnings = warnings_of(verdict);

@@ -19,17 +19,20 @@ struct MeshTopology {
     /// The fan of corner 3 t + k: triangles around its vertex that connect through edges at it.
     std::vector<int> fan_of_corner;
     int fan_count = 0;
+    /// All corners, those of one fan next to each other, each fan's in ascending order. Fans are
+    /// numbered by their least corner.
     std::vector<std::uint32_t> fan_corners;
+    /// Fan f's corners are those from fan_begin[f] to fan_begin[f + 1].
     std::vector<std::uint32_t> fan_begin;
-    std::span<const std::uint32_t> fan(std::size_t f) const {
-        return std::span(fan_corners).subspan(fan_begin[f], fan_begin[f + 1] - fan_begin[f]);
-    }
     /// Components of triangles that connect through edges.
     int shell_count = 0;
 
     std::size_t edge_count() const { return edge_begin.size() - 1; }
     std::span<const std::uint32_t> edge(std::size_t e) const {
         return std::span(halfedges).subspan(edge_begin[e], edge_begin[e + 1] - edge_begin[e]);
+    }
+    std::span<const std::uint32_t> fan(std::size_t f) const {
+        return std::span(fan_corners).subspan(fan_begin[f], fan_begin[f + 1] - fan_begin[f]);
     }
 };
 
@@ -51,10 +54,12 @@ struct Buckets {
     std::vector<std::uint32_t> begin;
 };
 
-/// key  of a number, in 0 … key_count - 1
+/// key      of a number, in 0 … key_count - 1
+/// buckets  whose memory is used again
 template<class Key>
-Buckets buckets_of(std::size_t count, std::size_t key_count, const Key& key) {
-    Buckets buckets{std::vector<std::uint32_t>(count), std::vector<std::uint32_t>(key_count + 1)};
+Buckets buckets_of(std::size_t count, std::size_t key_count, const Key& key, Buckets buckets = {}) {
+    buckets.order.resize(count);
+    buckets.begin.assign(key_count + 1, 0);
     for (std::size_t i = 0; i < count; ++i) ++buckets.begin[key(i) + 1];
     for (std::size_t k = 0; k < key_count; ++k) buckets.begin[k + 1] += buckets.begin[k];
     std::vector<std::uint32_t> next(buckets.begin.begin(), buckets.begin.end() - 1);

@@ -9,6 +9,9 @@
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 
+#include <cmath>
+#include <numbers>
+#include <numeric>
 #include <random>
 #include <set>
 
@@ -121,6 +124,28 @@ TEST(MeshCheck, EmptyAndRepeatedTrianglesAndUnusedVerticesAreRemoved) {
     EXPECT_EQ(checked.warnings.size(), 3u);
 }
 
+TEST(MeshCheck, RepeatedTriangleIsFoundInEitherOrientationIfItIsTheOnlyDefect) {
+    Mesh open = tetrahedron();
+    open.triangles.pop_back();
+    Mesh single = tetrahedron();
+    single.triangles.resize(1);
+    for (const Mesh& mesh : {tetrahedron(), open, single}) {
+        const CheckedMesh once = check(mesh);
+        const auto [a, b, c] = mesh.triangles[0];
+        for (const std::array<int, 3>& repeat : {std::array{b, c, a}, std::array{b, a, c}}) {
+            Mesh repeated = mesh;
+            repeated.triangles.push_back(repeat);
+            const CheckedMesh checked = check(repeated);
+            EXPECT_EQ(checked.verdict.duplicate_triangles, 1);
+            EXPECT_EQ(checked.verdict.summary(), once.verdict.summary());
+            EXPECT_EQ(checked.verdict.volume_world, once.verdict.volume_world);
+            EXPECT_EQ(checked.mesh.triangles, once.mesh.triangles);
+            EXPECT_EQ(checked.topology.halfedges, once.topology.halfedges);
+            EXPECT_EQ(checked.warnings.size(), once.warnings.size() + 1);
+        }
+    }
+}
+
 TEST(MeshCheck, EdgeOfThreeTrianglesIsNotManifold) {
     Mesh mesh = tetrahedron();
     mesh.vertices_world.emplace_back(1, 1, 1);
@@ -214,6 +239,83 @@ TEST(MeshCheck, PinchedVertexOfTheCowIsTheKnownOne) {
     const MeshVerdict verdict = check(mesh).verdict;
     EXPECT_EQ(verdict.non_manifold_vertices, 0);
     EXPECT_EQ(verdict.boundary_loops, 2); // one for each fan
+}
+
+/// With an edge of three triangles, a pinched vertex, a hole, a flipped triangle, and a vertex
+/// without triangles.
+Mesh mesh_of_all_kinds() {
+    Mesh mesh = sample_mesh("sphere6");
+    const auto [a, b, c] = mesh.triangles[200];
+    std::swap(mesh.triangles[300][0], mesh.triangles[300][1]);
+    mesh.triangles.erase(mesh.triangles.begin() + 100, mesh.triangles.begin() + 110);
+    const auto first = static_cast<int>(mesh.vertices_world.size());
+    for (int i = 0; i < 4; ++i) mesh.vertices_world.emplace_back(9, i, i * i);
+    mesh.triangles.insert(mesh.triangles.begin() + 50, {a, b, first});
+    mesh.triangles.insert(mesh.triangles.begin() + 20, {c, first + 1, first + 2});
+    return mesh;
+}
+
+TEST(Topology, EdgesAndFansHoldEachCornerOnceInOrder) {
+    const Mesh mesh = mesh_of_all_kinds();
+    const MeshTopology topology = topology_of(mesh);
+    std::map<std::pair<int, int>, std::vector<std::uint32_t>> edges;
+    for (std::uint32_t h = 0; h < 3 * mesh.triangles.size(); ++h)
+        edges[std::minmax(halfedge_from(mesh, h), halfedge_to(mesh, h))].push_back(h);
+    ASSERT_EQ(topology.edge_count(), edges.size());
+    std::size_t e = 0;
+    for (const auto& [ends, halfedges] : edges)
+        EXPECT_TRUE(std::ranges::equal(topology.edge(e++), halfedges));
+
+    std::vector<std::vector<std::uint32_t>> fans(topology.fan_count);
+    for (std::uint32_t c = 0; c < topology.fan_of_corner.size(); ++c)
+        fans[topology.fan_of_corner[c]].push_back(c);
+    ASSERT_EQ(topology.fan_begin.size(), fans.size() + 1);
+    for (std::size_t f = 0; f < fans.size(); ++f) {
+        EXPECT_TRUE(std::ranges::equal(topology.fan(f), fans[f]));
+        EXPECT_TRUE(f == 0 || topology.fan(f - 1)[0] < topology.fan(f)[0]);
+    }
+}
+
+TEST(Topology, FansAreTrianglesThatConnectThroughEdgesAtTheVertex) {
+    const Mesh mesh = mesh_of_all_kinds();
+    const MeshTopology topology = topology_of(mesh);
+    // Corners at a vertex are joined until nothing changes, if their triangles share another one.
+    std::vector<int> fan(3 * mesh.triangles.size());
+    std::iota(fan.begin(), fan.end(), 0);
+    std::vector<std::vector<int>> corners(mesh.vertices_world.size());
+    for (int c = 0; c < std::ssize(fan); ++c) corners[mesh.triangles[c / 3][c % 3]].push_back(c);
+    for (const std::vector<int>& around : corners) {
+        for (std::size_t pass = 0; pass < around.size(); ++pass) {
+            for (const int c : around) {
+                for (const int d : around) {
+                    const auto is_shared = [&](int vertex) {
+                        return std::ranges::count(mesh.triangles[d / 3], vertex) > 0;
+                    };
+                    if (std::ranges::count_if(mesh.triangles[c / 3], is_shared) >= 2)
+                        fan[c] = fan[d] = std::min(fan[c], fan[d]);
+                }
+            }
+        }
+    }
+    for (std::size_t c = 0; c < fan.size(); ++c)
+        EXPECT_EQ(topology.fan(topology.fan_of_corner[c])[0], static_cast<std::uint32_t>(fan[c]));
+}
+
+TEST(Topology, FanOfMoreTrianglesThanAnyTableIsOne) {
+    Mesh mesh; // two cones over a circle
+    constexpr int count = 5000;
+    for (int i = 0; i < count; ++i) {
+        mesh.vertices_world.emplace_back(std::cos(i * 2 * std::numbers::pi / count),
+                                         std::sin(i * 2 * std::numbers::pi / count), 0);
+        mesh.triangles.push_back({i, (i + 1) % count, count});
+        mesh.triangles.push_back({(i + 1) % count, i, count + 1});
+    }
+    mesh.vertices_world.insert(mesh.vertices_world.end(), {Vec3d(0, 0, 1), Vec3d(0, 0, -1)});
+    const MeshTopology topology = topology_of(mesh);
+    EXPECT_EQ(topology.fan_count, count + 2);
+    EXPECT_EQ(topology.edge_count(), 3u * count);
+    EXPECT_EQ(topology.shell_count, 1);
+    EXPECT_EQ(check(mesh).verdict.summary(), "closed, oriented, manifold");
 }
 
 /// Counts by OpenMesh's half-edge structure, built face by face.

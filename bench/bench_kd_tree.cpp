@@ -88,14 +88,14 @@ void print_queries(const std::string& name, const Mesh& mesh) {
 void print_dense(const std::string& name, const Mesh& mesh, int resolution) {
     const double voxel = bounding_box(mesh).size().maxCoeff() / (resolution - 9);
     const LatticeMesh lattice = on_lattice(mesh, voxel, 3);
-    const SignOracle sign = Pseudonormals(lattice.mesh);
+    const MeshTopology topology = topology_of(lattice.mesh);
     const Index3 lo = lattice.anchor - Index3::Constant(resolution / 2);
     const IndexBox box = {lo, lo + Index3::Constant(resolution)};
     const auto samples = static_cast<double>(box.sample_count());
 
     const auto start = std::chrono::steady_clock::now();
     const KdTree tree(lattice.mesh);
-    const KdDenseResult result = dense_distances(lattice, tree, sign, {.box = box});
+    const KdDenseResult result = dense_distances(lattice, topology, tree, {.box = box});
     const double seconds = seconds_since(start);
 
     constexpr int row_step = 16;

@@ -48,6 +48,11 @@ SampleBits bits_of_rows(const std::uint8_t (&rows)[64]) {
     return bits;
 }
 
+void set_rows(const SampleBits& bits, std::uint8_t (&rows)[64]) {
+    static_assert(std::endian::native == std::endian::little && sizeof bits.words == sizeof rows);
+    std::memcpy(rows, bits.words.data(), sizeof rows);
+}
+
 SampleBits active_bits(const FieldBlock& block) {
     SampleBits bits;
     for (int i = 0; i < samples_per_block; ++i)

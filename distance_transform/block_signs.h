@@ -19,6 +19,7 @@ struct SampleBits {
 
 /// rows  bit x of row y + 8 z
 SampleBits bits_of_rows(const std::uint8_t (&rows)[64]);
+void set_rows(const SampleBits& bits, std::uint8_t (&rows)[64]);
 SampleBits active_bits(const FieldBlock& block);
 SampleBits negative_bits(const FieldBlock& block);
 

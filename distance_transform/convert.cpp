@@ -150,7 +150,7 @@ Band scan_band(const LatticeMesh& lattice, const MeshTopology& topology,
     band.blocks.resize(found.block_count);
     band.closest.resize(options.closest ? found.block_count : 0);
     band.negative.resize(found.block_count);
-    TileTransform transform(sites, signs, options.voxel_size_world);
+    TileTransform transform(sites, signs, options.voxel_size_world, options.closest);
     ProgressMeter meter(progress, "transform", static_cast<double>(found.tiles.size()), 16);
     std::atomic<std::size_t> block_count = 0;
     std::atomic<std::int64_t> evaluations = 0;
@@ -340,14 +340,12 @@ DenseConvertResult convert_dense(const CheckedMesh& input, const ConvertOptions&
         const ConvertResult band = convert(input, narrow, progress);
         sign = {band.sign_used, band.sign_reason, band.warnings};
     }
-    const SignOracle oracle = sign.method == SignMethod::Normal
-                                  ? SignOracle(Pseudonormals(lattice.mesh, input.topology))
-                                  : SignOracle(WindingNumber(lattice.mesh, is_closed));
-    const KdTree tree(lattice.mesh);
+    std::optional<WindingNumber> winding;
+    if (sign.method == SignMethod::Winding) winding.emplace(lattice.mesh, is_closed);
     KdDenseResult dense =
-        dense_distances(lattice, tree, oracle,
+        dense_distances(lattice, input.topology, KdTree(lattice.mesh),
                         {.box = dense_box(input, options),
-                         .is_closed_and_oriented = is_closed,
+                         .winding = winding ? &*winding : nullptr,
                          .memory_bytes = std::min(options.memory_bytes, available_memory_bytes())},
                         progress);
     return {.field = std::move(dense.field),

@@ -1,10 +1,12 @@
-// Exact signed distances at every sample of a box, from the kD-tree: blocks share candidates.
+// Exact signed distances at every sample of a box: the kD-tree finds a tile's triangles, which are
+// then scan converted.
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
 #include "distance_transform/kd_tree.h"
 #include "distance_transform/lattice.h"
-#include "distance_transform/sign.h"
+#include "distance_transform/mesh_topology.h"
+#include "distance_transform/winding_number.h"
 #include "volume/dense_field.h"
 #include "volume/progress.h"
 
@@ -12,10 +14,8 @@ namespace isocast {
 
 struct KdDenseOptions {
     IndexBox box; // of samples, in the lattice's index space
-    /// Whether the winding number is constant off the surface, as for closed oriented meshes, so
-    /// that neighbours which the surface cannot part need but one evaluation. Pseudonormals do not
-    /// look at it.
-    bool is_closed_and_oriented = true;
+    /// Tells inside from outside; null leaves it to the normals of the closest features.
+    const WindingNumber* winding = nullptr;
     double memory_bytes = std::numeric_limits<double>::infinity(); // that the samples may take
 };
 
@@ -26,13 +26,13 @@ struct KdDenseResult {
 
 /// Signed distance to the mesh at every sample of a box, on all cores of the current TBB arena.
 ///
+/// topology  of lattice.mesh
 /// tree      over lattice.mesh, any variant
-/// accuracy  exact point-triangle distances in double, rounded once to float; the same for any
-///           number of threads
+/// accuracy  exact distances in double, rounded once to float; the same for any number of threads
 /// throws    InputError for an empty box, or one that passes greatest_index; ResourceError if the
 ///           samples would take more memory than allowed
-KdDenseResult dense_distances(const LatticeMesh& lattice, const KdTree& tree,
-                              const SignOracle& sign, const KdDenseOptions& options,
+KdDenseResult dense_distances(const LatticeMesh& lattice, const MeshTopology& topology,
+                              const KdTree& tree, const KdDenseOptions& options,
                               const Progress& progress = {});
 
 } // namespace isocast

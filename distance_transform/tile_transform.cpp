@@ -10,15 +10,7 @@ namespace isocast {
 
 std::int64_t TileTransform::run(const BandTile& tile, std::span<const std::int32_t> list,
                                 const BandOutput& output) {
-    constexpr std::size_t lines = TileColumns::count / std::size(Line{}.squares);
-    const bool with_sites = !output.closest.empty();
-    Columns& memory = columns_.local();
-    memory.resize((with_sites ? 6 : 3) * lines);
-    TileColumns columns{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        columns.signed_square[axis] = memory[axis * lines].squares;
-        columns.site[axis] = with_sites ? memory[(3 + axis) * lines].squares : nullptr;
-    }
+    TileColumns& columns = memory_.local().columns();
     const Vec3d origin = tile_size * tile.coordinate.cast<double>();
     const ScanKernels& kernels = sites_.kernels();
     const std::int64_t evaluations =
@@ -30,8 +22,7 @@ std::int64_t TileTransform::run(const BandTile& tile, std::span<const std::int32
     ScannedBlock scanned;
     for (std::uint64_t rest = tile.blocks; rest != 0; rest &= rest - 1) {
         const int b = std::countr_zero(rest);
-        const Index3 at(b % tile_blocks, b / tile_blocks % tile_blocks,
-                        b / (tile_blocks * tile_blocks));
+        const Index3 at = block_in_tile(b);
         if (!kernels.finish(columns, sites_.arrays().half_width, voxel_size_, at.x(), at.y(),
                             at.z(), scanned))
             continue;
@@ -39,7 +30,7 @@ std::int64_t TileTransform::run(const BandTile& tile, std::span<const std::int32
         FieldBlock& block = *std::construct_at(&output.blocks[place]);
         block.coordinate = tile_blocks * tile.coordinate + at;
         write(scanned, block, output.negative[place]);
-        if (with_sites) find_closest(block, scanned, output.closest[place]);
+        if (with_closest_) find_closest(block, scanned, output.closest[place]);
     }
     return evaluations;
 }
@@ -57,8 +48,8 @@ void TileTransform::write(const ScannedBlock& scanned, FieldBlock& block,
         spread(active, negative);
     }
     std::uint8_t rows[64];
-    static_assert(sizeof rows == sizeof negative.words && sizeof rows == sizeof block.active);
-    std::memcpy(rows, negative.words.data(), sizeof rows);
+    set_rows(negative, rows);
+    static_assert(sizeof active.words == sizeof block.active);
     std::memcpy(static_cast<void*>(&block.active), active.words.data(), sizeof block.active);
     sites_.kernels().apply_signs(scanned.distance, rows, block.values.data());
 }

@@ -3,8 +3,8 @@
 #pragma once
 
 #include "distance_transform/band_tiles.h"
-#include "distance_transform/block_signs.h"
 #include "distance_transform/closest_block.h"
+#include "distance_transform/tile_columns.h"
 
 #include <tbb/enumerable_thread_specific.h>
 
@@ -22,15 +22,16 @@ struct BandSigns {
 struct BandOutput {
     std::span<FieldBlock> blocks;
     std::span<SampleBits> negative;   // samples of each block
-    std::span<ClosestBlock> closest; // of each block; empty if not wanted
+    std::span<ClosestBlock> closest; // of each block; unless not wanted
     std::atomic<std::size_t>& count;
 };
 
 /// The transform of a mesh, in voxels; tiles are independent of each other.
 class TileTransform {
 public:
-    TileTransform(const Sites& sites, BandSigns signs, double voxel_size_world)
-        : sites_(sites), signs_(signs), voxel_size_(voxel_size_world) {}
+    TileTransform(const Sites& sites, BandSigns signs, double voxel_size_world, bool with_closest)
+        : sites_(sites), signs_(signs), voxel_size_(voxel_size_world), with_closest_(with_closest),
+          memory_([with_closest] { return TileMemory(with_closest); }) {}
 
     /// Blocks with samples in the band, each at the next free place; their inactive samples are
     /// ± background with the sign of the active ones next to them. From several threads at once.
@@ -41,11 +42,6 @@ public:
                      const BandOutput& output);
 
 private:
-    struct alignas(64) Line {
-        double squares[8];
-    };
-    using Columns = std::vector<Line, FreshMemory<Line>>;
-
     void write(const ScannedBlock& scanned, FieldBlock& block, SampleBits& negative) const;
     void find_closest(const FieldBlock& block, const ScannedBlock& scanned,
                       ClosestBlock& closest) const;
@@ -53,7 +49,8 @@ private:
     const Sites& sites_;
     BandSigns signs_;
     double voxel_size_;
-    tbb::enumerable_thread_specific<Columns> columns_; // of a thread's tile
+    bool with_closest_;
+    tbb::enumerable_thread_specific<TileMemory> memory_;
 };
 
 } // namespace isocast

@@ -4,7 +4,6 @@
 #include "distance_transform/kd_tree.h"
 #include "distance_transform/mesh_files.h"
 #include "distance_transform/sample_meshes.h"
-#include "distance_transform/prepared_triangle.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -325,29 +324,6 @@ TEST(KdTree, OverlappingNodesTestFewerTrianglesOfTheBunny) {
     const auto path = std::filesystem::path(ISOCAST_SHARED_DATA) / "bunny-closed.obj";
     if (!std::filesystem::exists(path)) GTEST_SKIP() << "no bunny-closed.obj";
     expect_fewest_tests(read_mesh(path));
-}
-
-TEST(PreparedTriangle, AnyGuessGivesTheClosestPoint) {
-    Random random(10);
-    int distances = 0;
-    for (int i = 0; i < 3000; ++i) {
-        std::array<Vec3d, 3> corners = {random.point(), random.point(), random.point()};
-        // Slivers down to degenerate ones too.
-        if (i % 3 == 1) corners[2] = corners[0] + std::exp2(-i % 60) * random.point();
-        if (i % 30 == 2) corners[2] = corners[1];
-        const PreparedTriangle frame(corners);
-        const Vec3d p = 2 * random.point();
-        const ClosestPoint expected = closest_point(p, corners);
-        for (int guess = 0; guess < 7; ++guess) {
-            const ClosestPoint found = closest_point(p, frame, static_cast<Feature>(guess));
-            // 1e-12: normals of slivers of 1e-3 are good to 1e-13.
-            EXPECT_NEAR(std::sqrt(found.squared_distance), std::sqrt(expected.squared_distance),
-                        1e-12);
-            EXPECT_NEAR((found.p - expected.p).norm(), 0, 1e-11);
-            ++distances;
-        }
-    }
-    EXPECT_EQ(distances, 21000);
 }
 
 } // namespace

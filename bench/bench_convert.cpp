@@ -112,9 +112,8 @@ void run_case(const Mesh& mesh, const Case& c, int repeats, bool with_openvdb) {
     fmt::print("{:<8} {:>6.1f} {:>9.0f} {:>8.4f} {:>8.4f} {:>7.1f} {:>8.4f} {:>5.2f} {:>8.4f} "
                "{:>8.4f} {:>8.4f} {:>7.2f}\n",
                c.name, options.half_width_voxels, active, ours.total, theirs, theirs / ours.total,
-               on_one.total, on_one.total / ours.total, ours.check,
-               ours.last->time.prepare_seconds, ours.last->time.transform_seconds,
-               double(ours.last->distance_evaluations) / active);
+               on_one.total, on_one.total / ours.total, ours.check, ours.last->time.prepare_seconds,
+               ours.last->time.transform_seconds, double(ours.last->distance_evaluations) / active);
 }
 
 /// Every sample of resolution^3 about the mesh, exact.
@@ -124,9 +123,8 @@ void run_dense(const Mesh& mesh, int resolution) {
     const LatticeMesh lattice = on_lattice(checked.mesh, options.voxel_size_world, 3);
     const Index3 lo = lattice.anchor - Index3::Constant(resolution / 2);
     const auto start = Clock::now();
-    const KdDenseResult dense =
-        dense_distances(lattice, checked.topology, KdTree(lattice.mesh),
-                        {.box = {lo, lo + Index3::Constant(resolution)}});
+    const KdDenseResult dense = dense_distances(lattice, checked.topology, KdTree(lattice.mesh),
+                                                {.box = {lo, lo + Index3::Constant(resolution)}});
     const double seconds = seconds_since(start);
     const double samples = double(dense.field.extent().sample_count());
     fmt::print("full dense {}^3: {:.2f} s, {:.0f} ns a sample, {:.1f} distances a sample\n",

@@ -71,8 +71,7 @@ public:
             return std::abs(normal.dot(offset)) <=
                    height + 1 + half_extent * normal.cwiseAbs().sum();
         }
-        const double reach =
-            std::numbers::sqrt2 * height + 1 + std::numbers::sqrt3 * half_extent;
+        const double reach = std::numbers::sqrt2 * height + 1 + std::numbers::sqrt3 * half_extent;
         return (offset - offset.dot(along_) * along_).squaredNorm() <= reach * reach;
     }
 
@@ -131,8 +130,7 @@ void for_each_tile(const SampleBox& box, const SiteRegion& region, const Visit& 
     Index3 tile;
     for (tile[k] = tile_of(box.first[k]); tile[k] <= tile_of(box.last[k]); ++tile[k]) {
         const double first = tile_size * tile[k];
-        const double low =
-            std::max(region.low, (first - region.base_max[k] - aside) * inverse_w);
+        const double low = std::max(region.low, (first - region.base_max[k] - aside) * inverse_w);
         const double high =
             std::min(region.high, (first + tile_size - 1 - region.base_min[k] + aside) * inverse_w);
         if (!(low <= high)) continue;
@@ -262,9 +260,8 @@ BandTiles find_band_tiles(const Sites& sites, double memory_bytes, const Progres
     std::atomic<double> list_bytes = 0;
     tbb::parallel_for(std::size_t{0}, part_count, [&](std::size_t i) {
         const auto begin = static_cast<std::int32_t>(i) * sites_per_part;
-        const auto end =
-            static_cast<std::int32_t>(std::min<std::int64_t>(std::int64_t{begin} + sites_per_part,
-                                                             sites.count()));
+        const auto end = static_cast<std::int32_t>(
+            std::min<std::int64_t>(std::int64_t{begin} + sites_per_part, sites.count()));
         parts[i] = find_part(sites, begin, end);
         const double more = static_cast<double>(parts[i].pairs.size() * sizeof(Part::Pair));
         if (const double sum = list_bytes.fetch_add(more) + more; sum > memory_bytes)

@@ -156,9 +156,8 @@ Band scan_band(const LatticeMesh& lattice, const MeshTopology& topology,
     std::atomic<std::int64_t> evaluations = 0;
     tbb::parallel_for(std::size_t{0}, found.tiles.size(), [&](std::size_t i) {
         const BandTile& tile = found.tiles[i];
-        evaluations +=
-            transform.run(tile, found.sites_of(tile),
-                          {band.blocks, band.negative, band.closest, block_count});
+        evaluations += transform.run(tile, found.sites_of(tile),
+                                     {band.blocks, band.negative, band.closest, block_count});
         meter.add(1);
     });
     band.distance_evaluations = evaluations;
@@ -239,7 +238,7 @@ ConvertResult convert(const CheckedMesh& input, const ConvertOptions& options,
     std::optional<WindingNumber> winding;
     if (sign.method == SignMethod::Winding) winding.emplace(lattice.mesh, is_closed);
     const BandSigns band_signs{.is_signed = sign.method != SignMethod::Unsigned,
-                                .winding = winding ? &*winding : nullptr};
+                               .winding = winding ? &*winding : nullptr};
     Band band = options.method == BandMethod::Scan
                     ? scan_band(lattice, topology, options, memory, band_signs, progress)
                     : reference_band(lattice, options, memory, progress);

@@ -41,10 +41,9 @@ struct BandTiles;
 /// Blocks with exact distances at all samples of the band, in any order; signs by the winding
 /// number, or by the sites' normals if it is null. evaluations  grows by the number of distances
 /// computed
-using BandScanner =
-    std::function<FieldBlocks(const Sites& sites, const BandTiles& band,
-                              const WindingNumber* winding, double voxel_size_world,
-                              std::int64_t& evaluations, const Progress& progress)>;
+using BandScanner = std::function<FieldBlocks(const Sites& sites, const BandTiles& band,
+                                              const WindingNumber* winding, double voxel_size_world,
+                                              std::int64_t& evaluations, const Progress& progress)>;
 
 struct ConvertOptions {
     double voxel_size_world = 0;  // > 0

@@ -80,9 +80,8 @@ public:
                std::vector<std::int32_t>& list) {
         const std::int32_t nearest = tree_.closest(centre)->triangle;
         const auto& [a, b, c] = mesh.triangles[static_cast<std::size_t>(nearest)];
-        const Reach reach(
-            centre, half_edge,
-            {mesh.vertices_world[a], mesh.vertices_world[b], mesh.vertices_world[c]});
+        const Reach reach(centre, half_edge,
+                          {mesh.vertices_world[a], mesh.vertices_world[b], mesh.vertices_world[c]});
         list.clear();
         ++tile_;
         tree_.visit(
@@ -94,7 +93,8 @@ public:
         const std::size_t face_count = list.size();
         for (std::size_t i = 0; i < face_count; ++i)
             for (int k = 0; k < 3; ++k)
-                add(arrays_.face_count + static_cast<std::int32_t>(edge_of_halfedge_[3 * list[i] + k]),
+                add(arrays_.face_count +
+                        static_cast<std::int32_t>(edge_of_halfedge_[3 * list[i] + k]),
                     list);
         for (std::size_t i = 0; i < face_count; ++i)
             for (int k = 0; k < 3; ++k)
@@ -174,9 +174,8 @@ KdDenseResult dense_distances(const LatticeMesh& lattice, const MeshTopology& to
         TileMemory memory{false};
         std::vector<std::int32_t> list = {};
     };
-    tbb::enumerable_thread_specific<Worker> workers([&] {
-        return Worker{SiteFinder(sites, topology, edge_of_halfedge, tree)};
-    });
+    tbb::enumerable_thread_specific<Worker> workers(
+        [&] { return Worker{SiteFinder(sites, topology, edge_of_halfedge, tree)}; });
     std::atomic<std::int64_t> evaluations = 0;
     tbb::parallel_for(std::int64_t{0}, tiles.sample_count(), [&](std::int64_t number) {
         const Index3 count = tiles.size();
@@ -190,12 +189,11 @@ KdDenseResult dense_distances(const LatticeMesh& lattice, const MeshTopology& to
         SiteArrays arrays = sites.arrays();
         arrays.half_width = worker.finder.run(origin + Vec3d::Constant(half_edge), half_edge,
                                               lattice.mesh, worker.list);
-        evaluations +=
-            sites.kernels().scan({.sites = &arrays,
-                                  .list = worker.list.data(),
-                                  .count = std::ssize(worker.list),
-                                  .first_sample = {origin.x(), origin.y(), origin.z()}},
-                                 worker.memory.columns());
+        evaluations += sites.kernels().scan({.sites = &arrays,
+                                             .list = worker.list.data(),
+                                             .count = std::ssize(worker.list),
+                                             .first_sample = {origin.x(), origin.y(), origin.z()}},
+                                            worker.memory.columns());
         ScannedBlock scanned;
         float with_signs[samples_per_block];
         for (int b = 0; b < blocks_per_tile; ++b) {

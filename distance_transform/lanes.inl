@@ -26,8 +26,8 @@ struct IntegerLike<float> {
 };
 
 template<class T>
-constexpr int native_bytes = register_bytes < lanes * int(sizeof(T)) ? register_bytes
-                                                                     : lanes * int(sizeof(T));
+constexpr int native_bytes = register_bytes < lanes* int(sizeof(T)) ? register_bytes
+                                                                    : lanes* int(sizeof(T));
 
 template<class T>
 struct Mask {
@@ -56,9 +56,7 @@ struct Lanes {
     Native part[part_count];
 
     Lanes() = default;
-    ISOCAST_INLINE Lanes(T x) {
-        ISOCAST_PARTS(k) part[k] = Native{} + x;
-    }
+    ISOCAST_INLINE Lanes(T x) { ISOCAST_PARTS(k) part[k] = Native{} + x; }
 
 #define ISOCAST_LANES_OPERATOR(op)                                                                 \
     friend ISOCAST_INLINE Lanes operator op(const Lanes& a, const Lanes& b) {                      \
@@ -88,20 +86,26 @@ struct Lanes {
         ISOCAST_PARTS(k) result.part[k] = m.part[k] ? a.part[k] : b.part[k];
         return result;
     }
-    friend ISOCAST_INLINE Lanes min(const Lanes& a, const Lanes& b) { return select(a < b, a, b); }
-    friend ISOCAST_INLINE Lanes max(const Lanes& a, const Lanes& b) { return select(b < a, a, b); }
+    friend ISOCAST_INLINE Lanes min(const Lanes& a, const Lanes& b) {
+        return select(a < b, a, b);
+    }
+    friend ISOCAST_INLINE Lanes max(const Lanes& a, const Lanes& b) {
+        return select(b < a, a, b);
+    }
     friend ISOCAST_INLINE Lanes sqrt(const Lanes& a) {
         Lanes result;
         ISOCAST_PARTS(k)
-            for (int i = 0; i < native_lanes; ++i)
-                result.part[k][i] = sizeof(T) == 8 ? T(__builtin_sqrt(a.part[k][i]))
-                                                   : T(__builtin_sqrtf(a.part[k][i]));
+        for (int i = 0; i < native_lanes; ++i)
+            result.part[k][i] =
+                sizeof(T) == 8 ? T(__builtin_sqrt(a.part[k][i])) : T(__builtin_sqrtf(a.part[k][i]));
         return result;
     }
     friend ISOCAST_INLINE T lane(const Lanes& a, int i) {
         return a.part[i / native_lanes][i % native_lanes];
     }
-    friend ISOCAST_INLINE void store(T* p, const Lanes& a) { __builtin_memcpy(p, &a, sizeof a); }
+    friend ISOCAST_INLINE void store(T* p, const Lanes& a) {
+        __builtin_memcpy(p, &a, sizeof a);
+    }
 };
 
 template<class T>

@@ -11,7 +11,9 @@ namespace isocast {
 inline constexpr int tile_size = 32;
 inline constexpr int tile_blocks = 4;
 /// The tile of a sample, along an axis.
-constexpr int tile_of(int sample) { return sample >> 5; }
+constexpr int tile_of(int sample) {
+    return sample >> 5;
+}
 
 /// Squared distances of a tile's samples in columns along one axis k, u and v being the axes after
 /// it: sample (k, u, v) is at k + stride_u * u + stride_v * v.

@@ -50,15 +50,12 @@ ISOCAST_INLINE void for_all_sites(const TileInput& input, const Visit& visit) {
     const std::int32_t first_fan = first_edge + input.sites->edge_count;
     const std::int32_t end = first_fan + input.sites->fan_count;
     std::int64_t next = 0;
-    for_kind<Faces>(input, next, 0, first_edge, [&](auto&... args) {
-        visit.template operator()<Kind::Face>(args...);
-    });
-    for_kind<Edges>(input, next, first_edge, first_fan, [&](auto&... args) {
-        visit.template operator()<Kind::Edge>(args...);
-    });
-    for_kind<Fans>(input, next, first_fan, end, [&](auto&... args) {
-        visit.template operator()<Kind::Fan>(args...);
-    });
+    for_kind<Faces>(input, next, 0, first_edge,
+                    [&](auto&... args) { visit.template operator()<Kind::Face>(args...); });
+    for_kind<Edges>(input, next, first_edge, first_fan,
+                    [&](auto&... args) { visit.template operator()<Kind::Edge>(args...); });
+    for_kind<Fans>(input, next, first_fan, end,
+                   [&](auto&... args) { visit.template operator()<Kind::Fan>(args...); });
 }
 
 template<bool with_sites>
@@ -157,8 +154,7 @@ private:
         // Half a column away from where the next row begins.
         const Doubles row = rounded((number + 0.5) / width - 0.5);
         const Doubles v = row + seen.v_first[lane];
-        const Doubles start =
-            ceiling(Doubles(seen.row_start[lane]) - v * seen.row_slope[lane]);
+        const Doubles start = ceiling(Doubles(seen.row_start[lane]) - v * seen.row_slope[lane]);
         const Doubles u = start + (number - row * width);
         Doubles low = 0.0;
         Doubles high = tile_size - 1.0;
@@ -173,8 +169,8 @@ private:
         const Doubles last = floor_of(max(high, -1.0));
         store_integers(batch.first, first);
         store_integers(batch.last, last);
-        store_integers(batch.place, u * double(TileColumns::stride_u) +
-                                        v * double(TileColumns::stride_v));
+        store_integers(batch.place,
+                       u * double(TileColumns::stride_u) + v * double(TileColumns::stride_v));
         for (int i = 0; i < 4; ++i) {
             const auto& f = seen.functions[i];
             store(batch.at[i], Doubles(f[0][lane]) + v * f[3][lane] + u * f[2][lane]);
@@ -230,8 +226,7 @@ public:
                 for (int x = 0; x < 8; ++x) block.distance[8 * row + x] = float(half_width * scale);
                 continue;
             }
-            store_floats(block.distance + 8 * row,
-                         min(sqrt(squared_distance), half_width) * scale);
+            store_floats(block.distance + 8 * row, min(sqrt(squared_distance), half_width) * scale);
             if constexpr (with_sites)
                 for (int x = 0; x < 8; ++x) block.site[8 * row + x] = int(lane(site_[row], x));
         }
@@ -273,148 +268,6 @@ private:
     Doubles site_[with_sites ? 64 : 1];
 };
 
-/// atan of 0 … infinity as y / x, both >= 0 and not both 0; S. L. Moshier's Cephes, atan.c, with
-/// the greatest argument tan(pi / 8) instead of 0.66.
-ISOCAST_INLINE Doubles arc_tangent(const Doubles& y, const Doubles& x) {
-    const auto is_steep = x < y;
-    const Doubles q = min(x, y) / max(x, y);
-    const auto is_large = Doubles(0.4142135623730950488) < q;
-    const Doubles t = select(is_large, (q - 1.0) / (q + 1.0), q);
-    const Doubles z = t * t;
-    const Doubles p = (((z * -8.750608600031904122785E-1 - 1.615753718733365076637E1) * z -
-                        7.500855792314704667340E1) *
-                           z -
-                       1.228866684490136173410E2) *
-                          z -
-                      6.485021904942025371773E1;
-    const Doubles r = ((((z + 2.485846490142306297962E1) * z + 1.650270098316988542046E2) * z +
-                        4.328810604912902668951E2) *
-                           z +
-                       4.853903996359136964868E2) *
-                          z +
-                      1.945506571482613964425E2;
-    constexpr double half_pi = 1.57079632679489661923;
-    const Doubles angle = t + t * z * p / r + select(is_large, Doubles(half_pi / 2), Doubles(0.0));
-    return select(is_steep, Doubles(half_pi) - angle, angle);
-}
-
-ISOCAST_INLINE Doubles angle_between(const Vector& a, const Vector& b) {
-    const Doubles sine = norm(cross(a, b));
-    const Doubles cosine = dot(a, b);
-    const Doubles angle = arc_tangent(sine, absolute(cosine));
-    constexpr double pi = 3.14159265358979323846;
-    return select(cosine < 0.0, Doubles(pi) - angle, angle);
-}
-
-/// Eight fans: their normals, and how wide their cones open.
-///
-/// With n the fan's normal and unit edges e_j = c_j n + s_j u_j, u_j across n, an offset h n + l
-/// leads along no edge if l·u_j <= k_j h, k_j = - c_j / s_j. A direction of l lies between two
-/// neighbouring u_j, within half of their angle of one of them, so that |l| <= h max(k_j) /
-/// cos(half the angle), the greatest over all pairs; for h < 0 the k_j change their sign.
-class FanFinder {
-public:
-    FanFinder(const SiteArrays& sites, const std::uint32_t* corners,
-              const std::uint32_t* corner_begin, std::int32_t first, int count)
-        : sites_(sites), corners_(corners), numbers_(first, count) {
-        for (int lane = 0; lane < lanes; ++lane) {
-            const std::int32_t fan = numbers_.of[lane];
-            begin_[lane] = corner_begin[fan];
-            valence_[lane] = corner_begin[fan + 1] - corner_begin[fan];
-            if (valence_[lane] > most_) most_ = valence_[lane];
-        }
-    }
-
-    void run(const char* is_open, std::int32_t first, int count, FanData* fans) {
-        Vector normal = {0.0, 0.0, 0.0};
-        for (std::uint32_t i = 0; i < most_; ++i) {
-            const Corner corner(*this, i);
-            const Doubles weight =
-                select(corner.is_missing, Doubles(0.0), angle_between(corner.a, corner.b));
-            normal = normal + weight * corner.normal;
-        }
-        const Doubles length = norm(normal);
-        const Vector n = (Doubles(1.0) / length) * normal;
-        Doubles above = 0.0;
-        Doubles below = 0.0;
-        Mask<double> is_ring = Doubles(0.0) < length;
-        for (std::uint32_t i = 0; i < most_; ++i) {
-            const Corner corner(*this, i);
-            const Doubles a_up = dot(corner.a, n);
-            const Doubles b_up = dot(corner.b, n);
-            const Vector a_flat = corner.a - a_up * n;
-            const Vector b_flat = corner.b - b_up * n;
-            const Doubles a_length = norm(a_flat);
-            const Doubles b_length = norm(b_flat);
-            const Doubles cosine = dot(a_flat, b_flat) / (a_length * b_length);
-            const Doubles half_cosine = sqrt(max(Doubles(0.0), (cosine + 1.0) * 0.5));
-            // Below 0.1 and 0.05 greatest_slope is passed by any slope that matters.
-            const auto is_turn = (norm(corner.a) * 0.1 < a_length) &
-                                 (norm(corner.b) * 0.1 < b_length) &
-                                 (Doubles(0.05) < half_cosine) &
-                                 (Doubles(0.0) < dot(cross(a_flat, b_flat), n));
-            const Mask<double> is_missing = corner.is_missing;
-            is_ring = is_ring & (is_turn | is_missing);
-            const Doubles zero = 0.0;
-            const Doubles a_slope =
-                select(is_missing, zero, (zero - a_up) / (a_length * half_cosine));
-            const Doubles b_slope =
-                select(is_missing, zero, (zero - b_up) / (b_length * half_cosine));
-            above = max(above, max(a_slope, b_slope));
-            below = max(below, max(zero - a_slope, zero - b_slope));
-        }
-        // Closed, with all corners turning the same way: the edges surround the normal.
-        const unsigned has_cone = bits(is_ring & (max(above, below) <= greatest_slope));
-        for (int lane_number = 0; lane_number < count; ++lane_number) {
-            FanData& fan = fans[first + lane_number];
-            fan.normal[0] = lane(normal.x, lane_number);
-            fan.normal[1] = lane(normal.y, lane_number);
-            fan.normal[2] = lane(normal.z, lane_number);
-            const bool is_cone = (has_cone >> lane_number & 1) && !is_open[first + lane_number];
-            fan.slope_above = is_cone ? lane(above, lane_number) : -1.0;
-            fan.slope_below = is_cone ? lane(below, lane_number) : -1.0;
-            const std::uint32_t corner = corners_[begin_[lane_number]];
-            fan.vertex = sites_.triangles[corner / 3][corner % 3];
-        }
-    }
-
-private:
-    /// Corner i of each fan: from its vertex to the other two of the triangle.
-    struct Corner {
-        Vector a;
-        Vector b;
-        Vector normal;
-        Mask<double> is_missing;
-
-        ISOCAST_INLINE Corner(const FanFinder& finder, std::uint32_t i) {
-            Gathered<13> in;
-            for (int lane = 0; lane < lanes; ++lane) {
-                const bool has = i < finder.valence_[lane];
-                const std::uint32_t c = finder.corners_[finder.begin_[lane] + (has ? i : 0)];
-                const std::uint32_t triangle = c / 3;
-                const std::uint32_t k = c % 3;
-                const std::int32_t* t = finder.sites_.triangles[triangle];
-                in.set(0, lane, finder.sites_.vertices[t[k]]);
-                in.set(3, lane, finder.sites_.vertices[t[k == 2 ? 0 : k + 1]]);
-                in.set(6, lane, finder.sites_.vertices[t[k == 0 ? 2 : k - 1]]);
-                in.set(9, lane, finder.sites_.faces[triangle].normal);
-                in.number[12][lane] = !has;
-            }
-            a = in.vector(3) - in.vector(0);
-            b = in.vector(6) - in.vector(0);
-            normal = in.vector(9);
-            is_missing = Doubles(0.5) < in.at(12);
-        }
-    };
-
-    const SiteArrays& sites_;
-    const std::uint32_t* corners_;
-    Numbers numbers_;
-    std::uint32_t begin_[lanes];
-    std::uint32_t valence_[lanes];
-    std::uint32_t most_ = 0;
-};
-
 template<class Visit>
 ISOCAST_INLINE void for_each_eight(std::int32_t begin, std::int32_t end, const Visit& visit) {
     for (std::int32_t i = begin; i < end; i += lanes)
@@ -426,8 +279,8 @@ void find_normals(const SiteArrays& sites, std::int32_t begin, std::int32_t end,
     for_each_eight(begin, end, [&](std::int32_t first, int count) {
         const Faces faces(sites, Numbers(first, count));
         for (int i = 0; i < count; ++i)
-            normals[first + i] = {
-                {lane(faces.t.x, i), lane(faces.t.y, i), lane(faces.t.z, i)}, lane(faces.noise, i)};
+            normals[first + i] = {{lane(faces.t.x, i), lane(faces.t.y, i), lane(faces.t.z, i)},
+                                  lane(faces.noise, i)};
     });
 }
 

@@ -1,4 +1,4 @@
-// The kernel of scan_kernel.h for the instruction set avx512.
+// The kernels of scan_kernel.h for the instruction set avx512.
 // SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/scan_kernel.h"
 #if defined(__AVX__)
@@ -8,7 +8,13 @@
 namespace isocast::avx512 {
 #include "distance_transform/lanes.inl"
 
+#include "distance_transform/vector_lanes.inl"
+
 #include "distance_transform/site_lanes.inl"
+
+#include "distance_transform/seen_sites.inl"
+
+#include "distance_transform/fan_lanes.inl"
 
 #include "distance_transform/scan_kernel.inl"
 } // namespace isocast::avx512

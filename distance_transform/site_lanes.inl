@@ -1,10 +1,8 @@
-// Eight sites of one kind side by side: their regions, and what a tile's samples see of them.
+// Eight sites of one kind side by side, and their regions.
 //
-// Included in the namespace of one instruction set, after lanes.inl.
+// Included in the namespace of one instruction set, after vector_lanes.inl.
 
 namespace {
-
-using Doubles = Lanes<double>;
 
 /// Samples that a region misses by rounding are caught by the next, if they overlap [voxels].
 constexpr double least_overlap = 1e-6;
@@ -18,74 +16,6 @@ constexpr double greatest_noise = 0.1;
 /// Half the width of a wedge or cone over its height, from which on a cylinder or ball serves.
 constexpr double greatest_slope = 3;
 constexpr double huge = 1e300;
-
-struct Vector {
-    Doubles x;
-    Doubles y;
-    Doubles z;
-
-    friend ISOCAST_INLINE Vector operator+(const Vector& a, const Vector& b) {
-        return {a.x + b.x, a.y + b.y, a.z + b.z};
-    }
-    friend ISOCAST_INLINE Vector operator-(const Vector& a, const Vector& b) {
-        return {a.x - b.x, a.y - b.y, a.z - b.z};
-    }
-    friend ISOCAST_INLINE Vector operator*(const Doubles& f, const Vector& a) {
-        return {f * a.x, f * a.y, f * a.z};
-    }
-    friend ISOCAST_INLINE Doubles dot(const Vector& a, const Vector& b) {
-        return a.x * b.x + a.y * b.y + a.z * b.z;
-    }
-    friend ISOCAST_INLINE Vector cross(const Vector& a, const Vector& b) {
-        return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-    }
-    friend ISOCAST_INLINE Doubles norm(const Vector& a) { return sqrt(dot(a, a)); }
-    friend ISOCAST_INLINE Vector select(const Mask<double>& m, const Vector& a, const Vector& b) {
-        return {select(m, a.x, b.x), select(m, a.y, b.y), select(m, a.z, b.z)};
-    }
-    friend ISOCAST_INLINE Vector min(const Vector& a, const Vector& b) {
-        return {min(a.x, b.x), min(a.y, b.y), min(a.z, b.z)};
-    }
-    friend ISOCAST_INLINE Vector max(const Vector& a, const Vector& b) {
-        return {max(a.x, b.x), max(a.y, b.y), max(a.z, b.z)};
-    }
-};
-
-ISOCAST_INLINE Doubles absolute(const Doubles& x) {
-    return max(x, Doubles(0.0) - x);
-}
-ISOCAST_INLINE Vector absolute(const Vector& a) {
-    return {absolute(a.x), absolute(a.y), absolute(a.z)};
-}
-ISOCAST_INLINE Doubles clamp(const Doubles& x, const Doubles& low, const Doubles& high) {
-    return max(low, min(x, high));
-}
-ISOCAST_INLINE Vector splat(const double* p) {
-    return {p[0], p[1], p[2]};
-}
-/// Of length one; undefined for the zero vector.
-ISOCAST_INLINE Vector normalized(const Vector& a) {
-    return (Doubles(1.0) / norm(a)) * a;
-}
-/// A unit vector across the unit vector `a`.
-ISOCAST_INLINE Vector unit_orthogonal(const Vector& a) {
-    // Not along the least component, so that nothing cancels.
-    const auto along_x = absolute(a.x) < 0.6;
-    return normalized(select(along_x, Vector{0.0, a.z, Doubles(0.0) - a.y},
-                             Vector{Doubles(0.0) - a.z, 0.0, a.x}));
-}
-
-/// Numbers that lie about in memory, brought side by side.
-template<int count>
-struct Gathered {
-    alignas(64) double number[count][lanes];
-
-    ISOCAST_INLINE void set(int first, int lane, const double* p) {
-        for (int k = 0; k < 3; ++k) number[first + k][lane] = p[k];
-    }
-    ISOCAST_INLINE Doubles at(int i) const { return load(number[i]); }
-    ISOCAST_INLINE Vector vector(int first) const { return {at(first), at(first + 1), at(first + 2)}; }
-};
 
 /// SiteRegion of eight sites.
 struct Regions {
@@ -108,7 +38,8 @@ struct Regions {
                       select(size.x < size.y, Doubles(1.0), Doubles(0.0)));
         const auto is_turned = at_axis(along) < 0.0;
         const Doubles zero = 0.0;
-        direction = select(is_turned, Vector{zero - along.x, zero - along.y, zero - along.z}, along);
+        direction =
+            select(is_turned, Vector{zero - along.x, zero - along.y, zero - along.z}, along);
         low = select(is_turned, zero - high_height, low_height);
         high = select(is_turned, zero - low_height, high_height);
         const Vector largest = max(absolute(least), absolute(greatest));
@@ -184,9 +115,9 @@ struct Regions {
     ISOCAST_INLINE void write(SiteRegion* to, int count, const Where& is_wanted) const {
         alignas(64) double rows[17][lanes];
         const Doubles* const from[17] = {
-            &base_min.x, &base_min.y, &base_min.z, &base_max.x,  &base_max.y, &base_max.z,
-            &direction.x, &direction.y, &direction.z, &low,      &high,       &lateral,
-            &slope,      &factor.x,   &factor.y,   &factor.z,   &axis};
+            &base_min.x,  &base_min.y,  &base_min.z,  &base_max.x, &base_max.y, &base_max.z,
+            &direction.x, &direction.y, &direction.z, &low,        &high,       &lateral,
+            &slope,       &factor.x,    &factor.y,    &factor.z,   &axis};
         for (int i = 0; i < 17; ++i) store(rows[i], *from[i]);
         for (int lane = 0; lane < count; ++lane) {
             if (!is_wanted(lane)) continue;
@@ -215,7 +146,8 @@ struct Numbers {
             of[lane] = list[lane < count ? lane : count - 1] - first;
     }
     ISOCAST_INLINE Numbers(std::int32_t first, int count) {
-        for (int lane = 0; lane < lanes; ++lane) of[lane] = first + (lane < count ? lane : count - 1);
+        for (int lane = 0; lane < lanes; ++lane)
+            of[lane] = first + (lane < count ? lane : count - 1);
     }
 };
 
@@ -240,8 +172,7 @@ struct Faces {
 
     /// What the constructor will read: it lies about in memory.
     static ISOCAST_INLINE void prefetch(const SiteArrays& sites, std::int32_t face) {
-        for (int k = 0; k < 3; ++k)
-            __builtin_prefetch(sites.vertices[sites.triangles[face][k]]);
+        for (int k = 0; k < 3; ++k) __builtin_prefetch(sites.vertices[sites.triangles[face][k]]);
     }
     ISOCAST_INLINE Faces(const SiteArrays& sites, const Numbers& numbers) {
         Gathered<9> in;
@@ -379,9 +310,9 @@ struct Edges {
         // Where the edge is nearly flat, its direction is told better by the normals.
         const Vector between =
             normalized(select(dot(first, second) < 0.0, first - second, first + second));
-        const Vector middle = select(Doubles(0.5) < sine, away,
-                                     select(Doubles(0.0) < dot(between, into),
-                                            Doubles(-1.0) * between, between));
+        const Vector middle =
+            select(Doubles(0.5) < sine, away,
+                   select(Doubles(0.0) < dot(between, into), Doubles(-1.0) * between, between));
         const auto is_wedge = is_bent & (tangent <= greatest_slope);
         x = select(is_wedge, middle, x);
         // So flat that even the side may be in doubt.
@@ -449,213 +380,5 @@ struct Fans {
         return regions;
     }
 };
-
-/// Eight values of SampleFunction.
-struct SampleFunctions {
-    Doubles first;
-    Vector along; // k, u and v
-
-    /// dot(axis, p - origin) of the samples p.
-    ISOCAST_INLINE SampleFunctions(const Regions& regions, const Vector& axis, const Vector& origin,
-                                   const double* first_sample)
-        : first(dot(axis, splat(first_sample) - origin)), along(regions.in_columns(axis)) {}
-    ISOCAST_INLINE SampleFunctions(const Doubles& value, const Vector& gradient)
-        : first(value), along(gradient) {}
-
-    friend ISOCAST_INLINE SampleFunctions combined(const Doubles& a, const SampleFunctions& f,
-                                                   const Doubles& b, const SampleFunctions& g,
-                                                   const Doubles& c) {
-        return {a * f.first + b * g.first + c, a * f.along + b * g.along};
-    }
-};
-
-/// Eight sites of one kind as a tile's samples see them, and the columns that meet them.
-struct SeenSites {
-    alignas(64) double axis[lanes];
-    double functions[4][4][lanes]; // as TileSite: first, along k, u and v
-    double length[lanes];
-    double normal_x[lanes];
-    double normal_y[lanes];
-    /// The columns, v_count rows of `width` each, of which row v begins at the first whole number
-    /// from row_start - v * row_slope; those from u_first to u_last count.
-    double v_first[lanes];
-    double width[lanes];
-    double row_start[lanes];
-    double row_slope[lanes];
-    double u_first[lanes];
-    double u_last[lanes];
-    double column_count[lanes];
-    /// The samples of column (u, v) lie, for each of these,
-    /// low <= k - (u * slope_u + v * slope_v) <= high.
-    struct Bound {
-        double low[lanes];
-        double high[lanes];
-        double slope_u[lanes];
-        double slope_v[lanes];
-    };
-    Bound bounds[5]; // 4 of faces and edges
-
-    ISOCAST_INLINE void set(int i, const SampleFunctions& f) {
-        store(functions[i][0], f.first);
-        store(functions[i][1], f.along.x);
-        store(functions[i][2], f.along.y);
-        store(functions[i][3], f.along.z);
-    }
-
-    /// low <= f <= high in the region.
-    ISOCAST_INLINE void set_bound(int i, const SampleFunctions& f, const Doubles& low,
-                                  const Doubles& high) {
-        // Nearly across the columns it would cut them far off.
-        const auto is_told = Doubles(1e-3) < absolute(f.along.x);
-        const Doubles zero = 0.0;
-        const Doubles inverse = Doubles(1.0) / f.along.x;
-        const Doubles from = (low - 2 * least_overlap - f.first) * inverse;
-        const Doubles to = (high + 2 * least_overlap - f.first) * inverse;
-        Bound& bound = bounds[i];
-        store(bound.low, select(is_told, min(from, to), Doubles(-huge)));
-        store(bound.high, select(is_told, max(from, to), Doubles(huge)));
-        store(bound.slope_u, select(is_told, zero - f.along.y * inverse, zero));
-        store(bound.slope_v, select(is_told, zero - f.along.z * inverse, zero));
-    }
-
-    /// corners  of the base
-    ISOCAST_INLINE void set_columns(const Regions& regions, const Vector* corners,
-                                    int corner_count, const double* first_sample) {
-        store(axis, regions.axis);
-        const Vector w = regions.in_columns(regions.direction);
-        const Vector min_corner = regions.in_columns(regions.base_min - splat(first_sample));
-        const Vector max_corner = regions.in_columns(regions.base_max - splat(first_sample));
-        const Vector factor = regions.in_columns(regions.factor);
-        const Doubles zero = 0.0;
-        const Doubles inverse = Doubles(1.0) / w.x;
-        const Doubles reach =
-            regions.lateral + regions.slope * max(zero - regions.low, regions.high);
-        const Doubles aside = reach * factor.x;
-        const Doubles low = max(regions.low, (zero - max_corner.x - aside) * inverse);
-        const Doubles high =
-            min(regions.high, (Doubles(tile_size - 1.0) - min_corner.x + aside) * inverse);
-        const Doubles lateral = regions.lateral + regions.slope * max(zero - low, high);
-        const auto within_tile = [](const Doubles& x) __attribute__((always_inline)) {
-            return clamp(x, -1.0, tile_size);
-        };
-        const Doubles u_low = ceiling(max(
-            zero, within_tile(min_corner.y + min(low * w.y, high * w.y) - lateral * factor.y)));
-        const Doubles u_high = floor_of(min(
-            tile_size - 1.0,
-            within_tile(max_corner.y + max(low * w.y, high * w.y) + lateral * factor.y)));
-        const Doubles v_low = ceiling(max(
-            zero, within_tile(min_corner.z + min(low * w.z, high * w.z) - lateral * factor.z)));
-        const Doubles v_high = floor_of(min(
-            tile_size - 1.0,
-            within_tile(max_corner.z + max(low * w.z, high * w.z) + lateral * factor.z)));
-        // Between two lines along the lean of the heights, m across it.
-        const Doubles m_u = zero - w.z;
-        const Doubles& m_v = w.y;
-        Doubles least = huge;
-        Doubles greatest = -huge;
-        for (int i = 0; i < corner_count; ++i) {
-            const Vector corner = regions.in_columns(corners[i] - splat(first_sample));
-            const Doubles at = m_u * corner.y + m_v * corner.z;
-            least = min(least, at);
-            greatest = max(greatest, at);
-        }
-        const Doubles side = lateral + 3 * least_overlap +
-                             (absolute(least) + absolute(greatest)) * coordinate_rounding;
-        const Doubles by_u = Doubles(1.0) / m_u;
-        const Doubles from = min((least - side) * by_u, (greatest + side) * by_u);
-        const Doubles to = max((least - side) * by_u, (greatest + side) * by_u);
-        const Doubles of_box = u_high - u_low + 1.0;
-        // Nearly along the rows the lines would cut them far off.
-        const auto is_lean = (Doubles(0.02) < absolute(m_u)) & (to - from < of_box - 1.0);
-        const Doubles row_width = select(is_lean, floor_of(min(to - from, tile_size)) + 1.0, of_box);
-        store(width, row_width);
-        store(row_start, select(is_lean, from, u_low));
-        store(row_slope, select(is_lean, m_v * by_u, zero));
-        store(u_first, u_low);
-        store(u_last, u_high);
-        store(v_first, v_low);
-        const auto is_met = (low <= high) & (u_low <= u_high) & (v_low <= v_high);
-        store(column_count, select(is_met, row_width * (v_high - v_low + 1.0), zero));
-    }
-};
-
-ISOCAST_INLINE Regions see(const Faces& faces, const SiteArrays& sites, const double* first_sample,
-                           SeenSites& seen) {
-    const Regions regions = faces.regions(sites.half_width);
-    const SampleFunctions r(regions, faces.r, faces.origin, first_sample);
-    const SampleFunctions s(regions, faces.s, faces.origin, first_sample);
-    const SampleFunctions t(regions, faces.t, faces.origin, first_sample);
-    const Doubles zero = 0.0;
-    const SampleFunctions outwards[3] = {
-        {zero - s.first, {zero - s.along.x, zero - s.along.y, zero - s.along.z}},
-        combined(faces.right.sine, r, faces.right.cosine, s,
-                 zero - faces.right.sine * faces.right.base),
-        combined(zero - faces.left.sine, r, faces.left.cosine, s,
-                 zero - faces.left.sine * faces.left.base)};
-    seen.set(0, t);
-    seen.set_bound(0, t, -sites.half_width, sites.half_width);
-    for (int i = 0; i < 3; ++i) {
-        seen.set(1 + i, outwards[i]);
-        seen.set_bound(1 + i, outwards[i], -huge, zero);
-    }
-    seen.set_columns(regions, faces.corners, 3, first_sample);
-    return regions;
-}
-
-ISOCAST_INLINE Regions see(const Edges& edges, const SiteArrays& sites, const double* first_sample,
-                           SeenSites& seen) {
-    const Regions regions = edges.regions(sites.half_width);
-    const SampleFunctions x(regions, edges.x, edges.ends[0], first_sample);
-    const SampleFunctions y(regions, edges.y, edges.ends[0], first_sample);
-    const SampleFunctions e(regions, edges.e, edges.ends[0], first_sample);
-    const Doubles zero = 0.0;
-    seen.set(0, x);
-    seen.set(1, y);
-    seen.set(2, e);
-    seen.set(3, {zero, {zero, zero, zero}});
-    store(seen.length, edges.length);
-    store(seen.normal_x, edges.normal_x);
-    store(seen.normal_y, edges.normal_y);
-    seen.set_bound(0, x, edges.low, sites.half_width);
-    seen.set_bound(1, e, zero, edges.length);
-    // |y| <= lateral + slope * x, or to both sides what that is at most.
-    const auto is_wedge = edges.low == zero;
-    const Doubles slope = select(is_wedge, edges.slope, zero);
-    const Doubles offset =
-        edges.lateral + select(is_wedge, zero, edges.slope * sites.half_width);
-    seen.set_bound(2, combined(1.0, y, zero - slope, x, zero), -huge, offset);
-    seen.set_bound(3, combined(1.0, y, slope, x, zero), zero - offset, huge);
-    seen.set_columns(regions, edges.ends, 2, first_sample);
-    return regions;
-}
-
-ISOCAST_INLINE Regions see(const Fans& fans, const SiteArrays& sites, const double* first_sample,
-                           SeenSites& seen) {
-    const Regions regions = fans.regions();
-    const Vector offset = regions.in_columns(splat(first_sample) - fans.point);
-    const Doubles zero = 0.0;
-    seen.set(0, {regions, fans.normal, fans.point, first_sample});
-    seen.set(1, {offset.x, {1.0, 0.0, 0.0}});
-    seen.set(2, {offset.y, {0.0, 1.0, 0.0}});
-    seen.set(3, {offset.z, {0.0, 0.0, 1.0}});
-    const SampleFunctions height(regions, fans.direction, fans.point, first_sample);
-    seen.set_bound(0, height, fans.low, fans.high);
-    // |l| <= slope * |height|, or to both sides what that is at most.
-    const auto is_above = fans.low == zero;
-    const auto is_below = fans.high == zero;
-    const Doubles slope =
-        select(is_above, fans.slope, select(is_below, zero - fans.slope, zero));
-    const Doubles lateral =
-        fans.lateral + select(is_above | is_below, zero, fans.slope * sites.half_width);
-    const Vector across = unit_orthogonal(fans.direction);
-    const SampleFunctions first(regions, across, fans.point, first_sample);
-    const SampleFunctions second(regions, cross(fans.direction, across), fans.point, first_sample);
-    seen.set_bound(1, combined(1.0, first, zero - slope, height, zero), -huge, lateral);
-    seen.set_bound(2, combined(1.0, first, slope, height, zero), zero - lateral, huge);
-    seen.set_bound(3, combined(1.0, second, zero - slope, height, zero), -huge, lateral);
-    seen.set_bound(4, combined(1.0, second, slope, height, zero), zero - lateral, huge);
-    seen.set_columns(regions, &fans.point, 1, first_sample);
-    return regions;
-}
 
 } // namespace

@@ -106,7 +106,7 @@ void Sites::find_edges(const Mesh& mesh, const MeshTopology& topology) {
             edge.kind = EdgeData::Border;
             if (halfedges.size() == 1) continue;
             edge.faces[1] = static_cast<std::int32_t>(halfedges[1] / 3);
-            edge.kind = halfedges.size() > 2                                    ? EdgeData::Junction
+            edge.kind = halfedges.size() > 2                                ? EdgeData::Junction
                         : halfedge_from(mesh, halfedges[1]) == edge.ends[0] ? EdgeData::Parallel
                                                                             : EdgeData::Opposed;
         }

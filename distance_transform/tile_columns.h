@@ -36,7 +36,8 @@ private:
     struct alignas(64) Line {
         double squares[8];
     };
-    static constexpr std::size_t lines_per_axis = TileColumns::count * sizeof(double) / sizeof(Line);
+    static constexpr std::size_t lines_per_axis =
+        TileColumns::count * sizeof(double) / sizeof(Line);
 
     std::vector<Line, FreshMemory<Line>> lines_;
     TileColumns columns_{};

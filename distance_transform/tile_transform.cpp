@@ -40,11 +40,10 @@ void TileTransform::write(const ScannedBlock& scanned, FieldBlock& block,
     const SampleBits active = bits_of_rows(scanned.active);
     negative = {};
     if (signs_.is_signed) {
-        negative =
-            signs_.winding
-                ? winding_signs(scanned.distance, active, voxel_size_, *signs_.winding,
-                                block_size * block.coordinate.cast<double>())
-                : bits_of_rows(scanned.negative);
+        negative = signs_.winding
+                       ? winding_signs(scanned.distance, active, voxel_size_, *signs_.winding,
+                                       block_size * block.coordinate.cast<double>())
+                       : bits_of_rows(scanned.negative);
         spread(active, negative);
     }
     std::uint8_t rows[64];
@@ -61,8 +60,7 @@ void TileTransform::find_closest(const FieldBlock& block, const ScannedBlock& sc
     for_each_bit(bits_of_rows(scanned.active), [&](int i) {
         const Vec3d p = (block_size * block.coordinate + sample_of(i)).cast<double>();
         const std::int32_t site = scanned.site[i];
-        closest.offset_world[i] =
-            (voxel_size_ * (sites_.nearest_point(site, p) - p)).cast<float>();
+        closest.offset_world[i] = (voxel_size_ * (sites_.nearest_point(site, p) - p)).cast<float>();
         closest.feature[i] = sites_.feature(site);
     });
 }

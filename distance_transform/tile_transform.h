@@ -21,7 +21,7 @@ struct BandSigns {
 /// Where the blocks of all tiles go: room for all, of which `count` is in use.
 struct BandOutput {
     std::span<FieldBlock> blocks;
-    std::span<SampleBits> negative;   // samples of each block
+    std::span<SampleBits> negative;  // samples of each block
     std::span<ClosestBlock> closest; // of each block; unless not wanted
     std::atomic<std::size_t>& count;
 };

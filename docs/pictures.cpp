@@ -152,8 +152,8 @@ void write_field_slices(const CheckedMesh& mesh, double z_world,
 
     Slice full(band.box());
     const LatticeMesh lattice = on_lattice(mesh.mesh, voxel, options.half_width_voxels);
-    const KdDenseResult dense = dense_distances(lattice, mesh.topology, KdTree(lattice.mesh),
-                                                {.box = full.box()});
+    const KdDenseResult dense =
+        dense_distances(lattice, mesh.topology, KdTree(lattice.mesh), {.box = full.box()});
     draw(dense.field, voxel, std::numeric_limits<double>::infinity(), full);
     write_png(beside(band.image(), full.image()), path);
 }

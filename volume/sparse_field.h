@@ -79,9 +79,8 @@ public:
     Outside outside() const { return outside_; }
     /// A range with random access, sorted by z, then y, then x of the coordinate.
     auto blocks() const {
-        return std::views::transform(order_, [this](std::uint32_t i) -> const FieldBlock& {
-            return blocks_[i];
-        });
+        return std::views::transform(
+            order_, [this](std::uint32_t i) -> const FieldBlock& { return blocks_[i]; });
     }
     std::int64_t active_voxel_count() const;
 

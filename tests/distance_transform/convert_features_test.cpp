@@ -266,8 +266,8 @@ TEST(Sites, NormalsOfVerticesAreThoseOfExactAngles) {
     const Pseudonormals pseudonormals(mesh.mesh, mesh.topology);
     for (std::size_t c = 0; c < mesh.topology.fan_of_corner.size(); ++c) {
         const Vec3d& expected =
-            pseudonormals.at(static_cast<int>(c / 3),
-                             std::array{Feature::Vertex0, Feature::Vertex1, Feature::Vertex2}[c % 3]);
+            pseudonormals.at(static_cast<int>(c / 3), std::array{Feature::Vertex0, Feature::Vertex1,
+                                                                 Feature::Vertex2}[c % 3]);
         const Eigen::Map<const Vec3d> normal(
             sites.arrays().fans[mesh.topology.fan_of_corner[c]].normal);
         // A few roundings of each of some six angles and normals.

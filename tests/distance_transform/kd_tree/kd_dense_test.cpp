@@ -178,9 +178,9 @@ TEST(KdDense, RefusesWhatCannotBe) {
                  ResourceError);
     // Refused before allocation, though the count of samples passes 2^63.
     const Index3 greatest = Index3::Constant(greatest_index);
-    EXPECT_THROW(
-        dense_distances(lattice, topology, tree, {.box = {-greatest, greatest}, .memory_bytes = 1e15}),
-        ResourceError);
+    EXPECT_THROW(dense_distances(lattice, topology, tree,
+                                 {.box = {-greatest, greatest}, .memory_bytes = 1e15}),
+                 ResourceError);
 }
 
 TEST(KdDense, ProgressCanStopIt) {

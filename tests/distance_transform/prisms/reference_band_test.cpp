@@ -37,7 +37,10 @@ struct Case {
         const ConvertResult exact = convert(mesh, {.voxel_size_world = voxel,
                                                    .half_width_voxels = half_width,
                                                    .sign = SignMethod::Normal});
-        return band_errors(exact.field.blocks(), field_of(std::move(band)).blocks(), voxel);
+        const auto blocks = [](const SparseField& field) {
+            return std::vector<FieldBlock>(field.blocks().begin(), field.blocks().end());
+        };
+        return band_errors(blocks(exact.field), blocks(field_of(std::move(band))), voxel);
     }
 };
 

@@ -36,13 +36,15 @@ public:
                      std::span<FieldBlock> blocks, std::span<ClosestBlock> closest,
                      std::atomic<std::size_t>& next);
 
+    /// Values and active samples of the block at `block.coordinate`.
+    void write(const ScannedBlock& scanned, FieldBlock& block) const;
+
 private:
     struct alignas(64) Line {
         double squares[8];
     };
     using Columns = std::vector<Line, FreshMemory<Line>>;
 
-    void write(const ScannedBlock& scanned, FieldBlock& block) const;
     void find_closest(const FieldBlock& block, const ScannedBlock& scanned,
                       ClosestBlock& closest) const;
 

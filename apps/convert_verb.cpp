@@ -126,17 +126,16 @@ std::vector<std::string> output_extensions() {
 
 /// Makes its context when a band is to be scanned, and gives it up after.
 BandScanner gpu_scanner(const std::vector<std::filesystem::path>& shader_folders) {
-    return
-        [shader_folders](const Sites& sites, const BandBlocks& band, const WindingNumber* winding,
-                         double half_width_voxels, double voxel_size_world,
-                         std::int64_t& evaluations, const Progress& progress) {
-            const auto context = gl::make_context();
-            gl::ShaderLibrary shaders({first_folder_of(shader_folders)});
-            GpuScan scan = scan_on_gpu(*context, shaders, sites, band, winding, half_width_voxels,
-                                       voxel_size_world, {}, progress);
-            evaluations += scan.candidates;
-            return std::move(scan.blocks);
-        };
+    return [shader_folders](const Sites& sites, const BandTiles& band, const WindingNumber* winding,
+                            double voxel_size_world, std::int64_t& evaluations,
+                            const Progress& progress) {
+        const auto context = gl::make_context();
+        gl::ShaderLibrary shaders({first_folder_of(shader_folders)});
+        GpuScan scan =
+            scan_on_gpu(*context, shaders, sites, band, winding, voxel_size_world, {}, progress);
+        evaluations += scan.candidates;
+        return std::move(scan.blocks);
+    };
 }
 
 ConvertOptions options_for(const ConvertCommand& command, const CheckedMesh& mesh) {

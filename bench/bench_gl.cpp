@@ -1,17 +1,18 @@
 // Scan conversion on the GPU beside the CPU's, over the thesis's tables 4.2 to 4.5.
 // SPDX-License-Identifier: MPL-2.0
-#include "distance_transform/block_transform.h"
 #include "distance_transform/checked_mesh.h"
 #include "distance_transform/convert.h"
 #include "distance_transform/gl/scan_on_gpu.h"
 #include "distance_transform/lattice.h"
 #include "distance_transform/mesh_files.h"
 #include "distance_transform/sample_meshes.h"
+#include "distance_transform/tile_transform.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <limits>
@@ -26,8 +27,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 
 class Bench {
 public:
-    Bench(gl::Context& context, gl::ShaderLibrary& shaders, int slab_height)
-        : context_(context), shaders_(shaders), slab_height_(slab_height) {
+    Bench(gl::Context& context, gl::ShaderLibrary& shaders) : context_(context), shaders_(shaders) {
         for (const gl::ProgramKey& key : scan_programs()) shaders.program(key); // not to be timed
     }
 
@@ -46,30 +46,24 @@ public:
         const double voxel = voxel_size_for_resolution(bounding_box(checked.mesh), resolution - 9);
         const double half_width = std::max(1.0, band * (resolution - 9));
         const LatticeMesh lattice = on_lattice(checked.mesh, voxel, half_width);
-        const Sites sites = voronoi_sites(lattice.mesh, checked.topology, half_width);
-        const BandBlocks bands =
-            find_band_blocks(sites, std::numeric_limits<double>::infinity(), {});
+        const Sites sites(lattice.mesh, checked.topology, half_width);
+        const BandTiles found = find_band_tiles(sites, std::numeric_limits<double>::infinity(), {});
         const double shared = seconds_since(start);
 
         const auto cpu_start = std::chrono::steady_clock::now();
         std::int64_t samples = 0;
         {
-            FieldBlocks blocks(bands.blocks.size());
-            const BlockTransform transform(sites.arrays(), BlockSigns{}, half_width, voxel);
-            tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
-                const BandBlock& of_band = bands.blocks[i];
-                FieldBlock& block = *std::construct_at(&blocks[of_band.place]);
-                block.coordinate = of_band.coordinate;
-                transform.run(block, bands.sites(of_band));
+            TileTransform transform(sites, {}, voxel, found.block_count);
+            tbb::parallel_for(std::size_t{0}, found.tiles.size(), [&](std::size_t i) {
+                transform.run(found.tiles[i], found.sites_of(found.tiles[i]));
             });
-            for (const FieldBlock& block : blocks)
+            for (const FieldBlock& block : transform.take().blocks)
                 samples += static_cast<std::int64_t>(block.active.count());
         }
         const double cpu = seconds_since(cpu_start);
 
         const auto gl_start = std::chrono::steady_clock::now();
-        const GpuScan scan = scan_on_gpu(context_, shaders_, sites, bands, nullptr, half_width,
-                                         voxel, {.slab_height = slab_height_});
+        const GpuScan scan = scan_on_gpu(context_, shaders_, sites, found, nullptr, voxel);
         const double gl = seconds_since(gl_start);
         const auto per_sample = [&](std::int64_t n) {
             return static_cast<double>(n) / static_cast<double>(samples);
@@ -87,7 +81,6 @@ public:
 private:
     gl::Context& context_;
     gl::ShaderLibrary& shaders_;
-    int slab_height_;
 };
 
 } // namespace
@@ -97,14 +90,12 @@ int main(int argc, char** argv) {
     std::string backend = "auto";
     std::string shader_folder = "shaders";
     int resolution = 128;
-    int slab_height = 32;
     CLI::App app("Scan conversion on the GPU beside the CPU's");
     app.add_option("--bunny", bunny, "Mesh file for table 4.2");
     app.add_option("--backend", backend);
     app.add_option("--shaders", shader_folder, "Folder of shaders");
     app.add_option("--resolution", resolution,
                    "Of tables 4.2 to 4.4, and the greatest of table 4.5");
-    app.add_option("--slab-height", slab_height);
     CLI11_PARSE(app, argc, argv);
     try {
         const auto context = gl::make_context({.backend = gl::backend_from_name(backend)});
@@ -117,10 +108,10 @@ int main(int argc, char** argv) {
                 "a GPU's, only how work is divided.\n");
         fmt::print(
             "Seconds. N: longest side in voxels, plus 9. band: half width, as a part of the "
-            "longest side. shared: sites and blocks, before either. CPU, GL: from there to "
+            "longest side. shared: sites and tiles, before either. CPU, GL: from there to "
             "blocks complete. Of GL: draw by the GL's own clock, beside the CPU's setup, wait "
             "and exact distances. candidates and sections for each sample of the band.\n");
-        Bench bench(*context, shaders, slab_height);
+        Bench bench(*context, shaders);
         Bench::print_header("Table 4.2: models");
         bench.row("sphere6", subdivided_sphere(6), resolution, 0.1);
         if (!bunny.empty()) bench.row("bunny", read_mesh(bunny), resolution, 0.1);

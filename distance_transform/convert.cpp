@@ -128,9 +128,7 @@ void reorder(std::vector<ClosestBlock>& items, std::vector<std::uint32_t> from) 
 }
 
 struct Band {
-    FieldBlocks blocks = {};
-    std::vector<ClosestBlock> closest = {};
-    std::vector<SampleBits> negative = {}; // of each block, if known
+    BandSamples samples = {};
     double prepare_seconds = 0;
     std::int64_t distance_evaluations = 0;
 };
@@ -143,27 +141,20 @@ Band scan_band(const LatticeMesh& lattice, const MeshTopology& topology,
     const BandTiles found = find_band_tiles(sites, memory_bytes, progress);
     Band band{.prepare_seconds = seconds_since(start)};
     if (options.scanner) {
-        band.blocks = options.scanner(sites, found, signs.winding, options.voxel_size_world,
-                                      band.distance_evaluations, progress);
+        band.samples.blocks = options.scanner(sites, found, signs.winding, options.voxel_size_world,
+                                              band.distance_evaluations, progress);
         return band;
     }
-    band.blocks.resize(found.block_count);
-    band.closest.resize(options.closest ? found.block_count : 0);
-    band.negative.resize(found.block_count);
-    TileTransform transform(sites, signs, options.voxel_size_world, options.closest);
+    TileTransform transform(sites, signs, options.voxel_size_world, found.block_count,
+                            options.closest);
     ProgressMeter meter(progress, "transform", static_cast<double>(found.tiles.size()), 16);
-    std::atomic<std::size_t> block_count = 0;
     std::atomic<std::int64_t> evaluations = 0;
     tbb::parallel_for(std::size_t{0}, found.tiles.size(), [&](std::size_t i) {
-        const BandTile& tile = found.tiles[i];
-        evaluations += transform.run(tile, found.sites_of(tile),
-                                     {band.blocks, band.negative, band.closest, block_count});
+        evaluations += transform.run(found.tiles[i], found.sites_of(found.tiles[i]));
         meter.add(1);
     });
+    band.samples = transform.take();
     band.distance_evaluations = evaluations;
-    band.blocks.resize(block_count);
-    band.negative.resize(block_count);
-    if (options.closest) band.closest.resize(block_count);
     return band;
 }
 
@@ -174,7 +165,8 @@ Band reference_band(const LatticeMesh& lattice, const ConvertOptions& options, d
                                                                memory_bytes, progress)
                              : scan_convert_prisms(lattice, options.half_width_voxels, Gaps::Close,
                                                    memory_bytes, progress);
-    return {.blocks = std::move(band.blocks), .distance_evaluations = band.distance_evaluations};
+    return {.samples = {.blocks = std::move(band.blocks)},
+            .distance_evaluations = band.distance_evaluations};
 }
 
 } // namespace
@@ -243,35 +235,34 @@ ConvertResult convert(const CheckedMesh& input, const ConvertOptions& options,
                     ? scan_band(lattice, topology, options, memory, band_signs, progress)
                     : reference_band(lattice, options, memory, progress);
 
+    FieldBlocks& blocks = band.samples.blocks;
     if (options.sign == SignMethod::Auto && sign.method == SignMethod::Normal &&
-        !signs_are_consistent(band.blocks, band.negative, options.voxel_size_world)) {
+        !signs_are_consistent(blocks, band.samples.negative, options.voxel_size_world)) {
         sign.method = SignMethod::Winding;
         sign.reason = "those of normals contradict each other";
         sign.warnings.push_back("Signs come from the winding number, since those of normals "
                                 "contradict each other: the mesh intersects itself, or a part is "
                                 "inside out.");
-        sign_by_winding_number(band.blocks, WindingNumber(lattice.mesh, is_closed),
+        sign_by_winding_number(blocks, WindingNumber(lattice.mesh, is_closed),
                                options.voxel_size_world, static_cast<float>(background), progress);
     }
-    if (sign.method == SignMethod::Winding && !is_closed && !band.blocks.empty()) {
-        const std::size_t count = band.blocks.size();
-        store_outside_signs(band.blocks, *winding, static_cast<float>(background), memory,
-                            progress);
-        if (options.closest && band.blocks.size() > count)
+    if (sign.method == SignMethod::Winding && !is_closed && !blocks.empty()) {
+        const std::size_t count = blocks.size();
+        store_outside_signs(blocks, *winding, static_cast<float>(background), memory, progress);
+        if (options.closest && blocks.size() > count)
             throw InputError("closest points of a mesh that is not closed need --sign unsigned: "
                              "the signs reach beyond the band");
     }
-    tbb::parallel_for(std::size_t{0}, band.blocks.size(), [&](std::size_t i) {
-        band.blocks[i].coordinate += lattice.anchor / block_size;
-    });
-    if (options.closest) reorder(band.closest, zyx_order(band.blocks));
+    tbb::parallel_for(std::size_t{0}, blocks.size(),
+                      [&](std::size_t i) { blocks[i].coordinate += lattice.anchor / block_size; });
+    if (options.closest) reorder(band.samples.closest, zyx_order(blocks));
     const Outside outside =
         sign.method == SignMethod::Unsigned ? Outside::Background : Outside::SignedBackground;
     return {
-        .field = SparseField(lattice.space, background, outside, std::move(band.blocks)),
+        .field = SparseField(lattice.space, background, outside, std::move(blocks)),
         .sign_used = sign.method,
         .sign_reason = std::move(sign.reason),
-        .closest = std::move(band.closest),
+        .closest = std::move(band.samples.closest),
         .time = {.prepare_seconds = band.prepare_seconds,
                  .transform_seconds = seconds_since(start) - band.prepare_seconds},
         .distance_evaluations = band.distance_evaluations,

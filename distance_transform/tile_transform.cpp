@@ -1,48 +1,54 @@
-// Exact signed distances at the samples of one tile, by scan conversion of its sites.
+// Exact signed distances at the samples of a band, by scan conversion of each tile's sites.
 // SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/tile_transform.h"
 
-#include <bit>
 #include <cstring>
 #include <memory>
 
 namespace isocast {
 
-std::int64_t TileTransform::run(const BandTile& tile, std::span<const std::int32_t> list,
-                                const BandOutput& output) {
+TileTransform::TileTransform(const Sites& sites, BandSigns signs, double voxel_size_world,
+                             std::size_t most_blocks, bool with_closest)
+    : sites_(sites), signs_(signs), voxel_size_(voxel_size_world),
+      memory_([with_closest] { return TileMemory(with_closest); }) {
+    samples_.blocks.resize(most_blocks);
+    samples_.negative.resize(most_blocks);
+    samples_.closest.resize(with_closest ? most_blocks : 0);
+}
+
+std::int64_t TileTransform::run(const BandTile& tile, std::span<const std::int32_t> list) {
     TileColumns& columns = memory_.local().columns();
     const Vec3d origin = tile_size * tile.coordinate.cast<double>();
-    const ScanKernels& kernels = sites_.kernels();
     const std::int64_t evaluations =
-        kernels.scan({.sites = &sites_.arrays(),
-                      .list = list.data(),
-                      .count = std::ssize(list),
-                      .first_sample = {origin.x(), origin.y(), origin.z()}},
-                     columns);
-    ScannedBlock scanned;
-    for (std::uint64_t rest = tile.blocks; rest != 0; rest &= rest - 1) {
-        const int b = std::countr_zero(rest);
-        const Index3 at = block_in_tile(b);
-        if (!kernels.finish(columns, sites_.arrays().half_width, voxel_size_, at.x(), at.y(),
-                            at.z(), scanned))
-            continue;
-        const std::size_t place = output.count++;
-        FieldBlock& block = *std::construct_at(&output.blocks[place]);
-        block.coordinate = tile_blocks * tile.coordinate + at;
-        write(scanned, block, output.negative[place]);
-        if (with_closest_) find_closest(block, scanned, output.closest[place]);
-    }
+        sites_.kernels().scan({.sites = &sites_.arrays(),
+                               .list = list.data(),
+                               .count = std::ssize(list),
+                               .first_sample = {origin.x(), origin.y(), origin.z()}},
+                              columns);
+    add_blocks(tile, [&](int, const Index3& at, ScannedBlock& scanned) {
+        return sites_.kernels().finish(columns, sites_.arrays().half_width, voxel_size_, at.x(),
+                                       at.y(), at.z(), scanned);
+    });
     return evaluations;
 }
 
-void TileTransform::write(const ScannedBlock& scanned, FieldBlock& block,
-                          SampleBits& negative) const {
+BandSamples TileTransform::take() {
+    samples_.blocks.resize(block_count_);
+    samples_.negative.resize(block_count_);
+    if (!samples_.closest.empty()) samples_.closest.resize(block_count_);
+    return std::move(samples_);
+}
+
+void TileTransform::add(const Index3& coordinate, const ScannedBlock& scanned) {
+    const std::size_t place = block_count_++;
+    FieldBlock& block = *std::construct_at(&samples_.blocks[place]);
+    block.coordinate = coordinate;
     const SampleBits active = bits_of_rows(scanned.active);
-    negative = {};
+    SampleBits& negative = samples_.negative[place];
     if (signs_.is_signed) {
         negative = signs_.winding
                        ? winding_signs(scanned.distance, active, voxel_size_, *signs_.winding,
-                                       block_size * block.coordinate.cast<double>())
+                                       block_size * coordinate.cast<double>())
                        : bits_of_rows(scanned.negative);
         spread(active, negative);
     }
@@ -51,6 +57,7 @@ void TileTransform::write(const ScannedBlock& scanned, FieldBlock& block,
     static_assert(sizeof active.words == sizeof block.active);
     std::memcpy(static_cast<void*>(&block.active), active.words.data(), sizeof block.active);
     sites_.kernels().apply_signs(scanned.distance, rows, block.values.data());
+    if (!samples_.closest.empty()) find_closest(block, scanned, samples_.closest[place]);
 }
 
 void TileTransform::find_closest(const FieldBlock& block, const ScannedBlock& scanned,

@@ -1,4 +1,4 @@
-// Exact signed distances at the samples of one tile.
+// Exact signed distances at the samples of a band, tile by tile.
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
@@ -9,6 +9,7 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <atomic>
+#include <bit>
 
 namespace isocast {
 
@@ -18,38 +19,54 @@ struct BandSigns {
     const WindingNumber* winding = nullptr; // null leaves it to the sites' normals
 };
 
-/// Where the blocks of all tiles go: room for all, of which `count` is in use.
-struct BandOutput {
-    std::span<FieldBlock> blocks;
-    std::span<SampleBits> negative;  // samples of each block
-    std::span<ClosestBlock> closest; // of each block; unless not wanted
-    std::atomic<std::size_t>& count;
+/// Blocks with samples in a band, in any order.
+struct BandSamples {
+    FieldBlocks blocks = {};
+    std::vector<SampleBits> negative = {};  // samples of each block, if known
+    std::vector<ClosestBlock> closest = {}; // of each block, if wanted
 };
 
-/// The transform of a mesh, in voxels; tiles are independent of each other.
+/// The transform of a mesh, in voxels; tiles are independent of each other, and threads may run it
+/// side by side.
 class TileTransform {
 public:
-    TileTransform(const Sites& sites, BandSigns signs, double voxel_size_world, bool with_closest)
-        : sites_(sites), signs_(signs), voxel_size_(voxel_size_world), with_closest_(with_closest),
-          memory_([with_closest] { return TileMemory(with_closest); }) {}
+    /// most_blocks  that all tiles may have
+    TileTransform(const Sites& sites, BandSigns signs, double voxel_size_world,
+                  std::size_t most_blocks, bool with_closest = false);
 
-    /// Blocks with samples in the band, each at the next free place; their inactive samples are
-    /// ± background with the sign of the active ones next to them. From several threads at once.
+    /// Adds the blocks of a tile with samples in the band; their inactive samples are ± background
+    /// with the sign of the active ones next to them.
     ///
     /// list     numbers of all sites that hold the nearest point of a sample in the band
     /// returns  how many distances were computed
-    std::int64_t run(const BandTile& tile, std::span<const std::int32_t> list,
-                     const BandOutput& output);
+    std::int64_t run(const BandTile& tile, std::span<const std::int32_t> list);
+
+    /// The same from distances of another maker, with
+    /// finish(number of the block's bit, its place in the tile, ScannedBlock&) as
+    /// ScanKernels::finish.
+    template<class Finish>
+    void add_blocks(const BandTile& tile, const Finish& finish) {
+        ScannedBlock scanned;
+        for (std::uint64_t rest = tile.blocks; rest != 0; rest &= rest - 1) {
+            const int b = std::countr_zero(rest);
+            if (finish(b, block_in_tile(b), scanned))
+                add(tile_blocks * tile.coordinate + block_in_tile(b), scanned);
+        }
+    }
+
+    /// All blocks so far.
+    BandSamples take();
 
 private:
-    void write(const ScannedBlock& scanned, FieldBlock& block, SampleBits& negative) const;
+    void add(const Index3& coordinate, const ScannedBlock& scanned);
     void find_closest(const FieldBlock& block, const ScannedBlock& scanned,
                       ClosestBlock& closest) const;
 
     const Sites& sites_;
     BandSigns signs_;
     double voxel_size_;
-    bool with_closest_;
+    BandSamples samples_;
+    std::atomic<std::size_t> block_count_ = 0;
     tbb::enumerable_thread_specific<TileMemory> memory_;
 };
 

@@ -8,6 +8,7 @@
 #include "distance_transform/gl/exact_block.h"
 #include "distance_transform/gl/site_sections.h"
 #include "distance_transform/progress_meter.h"
+#include "distance_transform/tile_transform.h"
 #include "gl/readback.h"
 #include "gl/timer.h"
 #include "volume/errors.h"
@@ -18,6 +19,8 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <bit>
 #include <chrono>
 #include <cstring>
 
@@ -51,24 +54,19 @@ private:
 
 /// The image that a batch is drawn to: tiles as slots, each with its slices one above the other.
 struct Target {
-    int slab_height;
     int columns;
     int rows;
 
-    Target(const GpuScanOptions& options, int most_pixels) : slab_height(options.slab_height) {
-        const int slot_height = tile_size * slab_height;
-        if (slot_height > most_pixels)
-            throw ResourceError(fmt::format("slabs of {} slices need images of {} pixels, and the "
-                                            "GL has images of up to {}",
-                                            slab_height, slot_height, most_pixels));
-        const int extent = std::min(options.target_extent, most_pixels);
-        columns = std::max(1, extent / tile_size);
-        rows = std::max(1, extent / slot_height);
-    }
+    explicit Target(int most_pixels)
+        : columns(std::max(1, most_pixels / slot_width)),
+          rows(std::max(1, most_pixels / slot_height)) {}
     int slots() const { return columns * rows; }
-    int width() const { return tile_size * columns; }
-    int height() const { return tile_size * slab_height * rows; }
-    int blocks_per_slot() const { return tile_blocks * tile_blocks * (slab_height / block_size); }
+    int width() const { return slot_width * columns; }
+    int height() const { return slot_height * rows; }
+
+private:
+    static constexpr int slot_width = tile_size;
+    static constexpr int slot_height = tile_size * tile_size;
 };
 
 /// Instances of one kind with the same number of slices.
@@ -81,14 +79,14 @@ struct Draw {
 
 /// What one batch of tiles gives the GL to draw.
 struct BatchSections {
-    std::span<const SlabTile> tiles;
+    std::vector<SeenTile> tiles;
     std::vector<GpuSite> sites; // draw by draw
     std::vector<Draw> draws;
 };
 
 /// A batch on its way through the GL, with all that it needs to be drawn again.
 struct Stage {
-    std::span<const SlabTile> tiles;
+    std::vector<SeenTile> tiles;
     std::vector<Draw> draws;
     gl::Buffer sites;
     gl::VertexArray instances;
@@ -109,15 +107,15 @@ constexpr std::array attributes = {gl::AttributeType::Int4,   gl::AttributeType:
                                    gl::AttributeType::Float4, gl::AttributeType::Int4};
 static_assert(sizeof(GpuSite) == 16 * attributes.size());
 
-/// From blocks to sites, in a batch: sites take 160 bytes each, and are mostly in several blocks,
-/// so that a batch stays below a few hundred MB.
-constexpr std::size_t most_references = 4'000'000;
+/// Of all tiles of a batch: each takes 288 bytes for its exact distances and 160 or more for the
+/// GL, so that the two batches at work stay below some hundred MB.
+constexpr std::size_t most_sites = 500'000;
 
 /// Two triangles for each slice, of its four corners.
 constexpr int indices_per_slice = 6;
-gl::Buffer corner_indices(int slab_height) {
+gl::Buffer corner_indices() {
     std::vector<std::uint16_t> indices;
-    for (int slice = 0; slice < slab_height; ++slice)
+    for (int slice = 0; slice < tile_size; ++slice)
         for (const int corner : {0, 1, 2, 2, 1, 3})
             indices.push_back(static_cast<std::uint16_t>(4 * slice + corner));
     return {std::as_bytes(std::span(indices)), "corners of sections"};
@@ -126,18 +124,19 @@ gl::Buffer corner_indices(int slab_height) {
 class GpuScanner {
 public:
     GpuScanner(gl::Context& context, gl::ShaderLibrary& shaders, const Sites& sites,
-               const BandBlocks& band, const ExactTransform& transform,
+               const BandTiles& band, const WindingNumber* winding, double voxel_size_world,
                const GpuScanOptions& options, const Progress& progress)
-        : context_(context), shaders_(shaders), sites_(sites.arrays()), band_(band),
-          transform_(transform), tiles_(slab_tiles(band, options.slab_height)),
-          target_(options, gl::max_image_extent()), most_bytes_(gl::max_storage_bytes()),
+        : context_(context), shaders_(shaders), sites_(sites), band_(band),
+          transform_(sites, {.winding = winding}, voxel_size_world, band.block_count),
+          voxel_size_(voxel_size_world),
+          target_(std::min(options.target_extent, gl::max_image_extent())),
+          most_bytes_(gl::max_storage_bytes()),
           no_attachments_(gl::Framebuffer::without_attachments(target_.width(), target_.height(),
                                                                "candidates")),
-          corners_(corner_indices(options.slab_height)),
-          meter_(progress, "transform", static_cast<double>(band.blocks.size()), 64) {}
+          corners_(corner_indices()),
+          meter_(progress, "transform", static_cast<double>(band.tiles.size()), 16) {}
 
     GpuScan run() {
-        result_.blocks.resize(band_.blocks.size());
         std::array<Stage, 2> stages;
         for (Stage& stage : stages) {
             stage.bound = gl::Texture::image(gl::Format::R32f, target_.width(), target_.height(),
@@ -147,53 +146,52 @@ public:
             // Mostly one for each sample, of which the band seldom fills half; else it grows.
             reserve_candidates(stage, std::int64_t{target_.width()} * target_.height() / 2);
         }
-        std::span<const SlabTile> rest = tiles_.tiles;
+        std::span<const BandTile> rest = band_.tiles;
         Stage* drawing = nullptr;
         while (!rest.empty()) {
-            const BatchSections batch = next_batch(rest);
+            BatchSections batch = next_batch(rest);
             rest = rest.subspan(batch.tiles.size());
             Stage& stage = stages[result_.batches % 2];
-            start(stage, batch);
+            start(stage, std::move(batch));
             if (drawing) finish(*drawing);
             drawing = &stage;
             ++result_.batches;
         }
         if (drawing) finish(*drawing);
+        result_.blocks = transform_.take().blocks;
         return std::move(result_);
     }
 
 private:
     /// The first of `rest`, as many as have slots and as memory should be taken for.
-    BatchSections next_batch(std::span<const SlabTile> rest) {
+    BatchSections next_batch(std::span<const BandTile> rest) {
         const Stopwatch watch(result_.time.sections_seconds);
         std::size_t count = 0;
-        std::size_t references = 0;
-        for (; count < rest.size() && count < static_cast<std::size_t>(target_.slots()); ++count) {
-            for (const std::uint32_t b : tiles_.blocks(rest[count]))
-                references += band_.blocks[b].count;
-            if (count > 0 && references > most_references) break;
+        for (std::size_t site_count = 0;
+             count < std::min(rest.size(), static_cast<std::size_t>(target_.slots())); ++count) {
+            site_count += rest[count].count;
+            if (count > 0 && site_count > most_sites) break;
         }
-        std::vector<std::vector<TileSite>> of_tile(count);
+        BatchSections batch{.tiles = std::vector<SeenTile>(count)};
+        std::vector<std::vector<SiteSections>> of_tile(count);
         tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-            of_tile[i] =
-                sections_of_tile(sites_, sites_of_tile(band_, tiles_.blocks(rest[i])),
-                                 rest[i].first_sample, target_.slab_height, static_cast<int>(i));
+            batch.tiles[i] = see_tile(sites_, band_, rest[i]);
+            of_tile[i] = sections_of_tile(batch.tiles[i], static_cast<int>(i));
         });
 
-        BatchSections batch{.tiles = rest.first(count)};
-        const auto bin_of = [&](const TileSite& s) {
-            return static_cast<std::size_t>(s.kind * target_.slab_height + s.slice_count - 1);
+        const auto bin_of = [](const SiteSections& s) {
+            return static_cast<std::size_t>(s.kind * tile_size + s.slice_count - 1);
         };
-        const std::size_t bins = static_cast<std::size_t>(site_kinds * target_.slab_height);
+        constexpr std::size_t bins = site_kinds * tile_size;
         std::vector<std::uint32_t> begin(bins + 1);
         for (const auto& tile : of_tile)
-            for (const TileSite& site : tile) ++begin[bin_of(site) + 1];
+            for (const SiteSections& site : tile) ++begin[bin_of(site) + 1];
         for (std::size_t i = 0; i < bins; ++i) {
             const std::uint32_t in_bin = begin[i + 1];
             begin[i + 1] += begin[i];
             if (in_bin == 0) continue;
-            const int slices = static_cast<int>(i) % target_.slab_height + 1;
-            batch.draws.push_back({.kind = static_cast<int>(i) / target_.slab_height,
+            const int slices = static_cast<int>(i) % tile_size + 1;
+            batch.draws.push_back({.kind = static_cast<int>(i) / tile_size,
                                    .slice_count = slices,
                                    .first = begin[i],
                                    .count = in_bin});
@@ -201,7 +199,7 @@ private:
         }
         batch.sites.resize(begin.back());
         for (const auto& tile : of_tile)
-            for (const TileSite& site : tile) batch.sites[begin[bin_of(site)]++] = site.site;
+            for (const SiteSections& site : tile) batch.sites[begin[bin_of(site)]++] = site.site;
         return batch;
     }
 
@@ -211,9 +209,9 @@ private:
     }
 
     /// Gives the GL all of a batch's work.
-    void start(Stage& stage, const BatchSections& batch) {
-        stage.tiles = batch.tiles;
-        stage.draws = batch.draws;
+    void start(Stage& stage, BatchSections batch) {
+        stage.tiles = std::move(batch.tiles);
+        stage.draws = std::move(batch.draws);
         stage.sites = gl::Buffer(std::as_bytes(std::span(batch.sites)), "sites");
         stage.instances = gl::VertexArray::instanced(stage.sites, attributes, corners_, "sites");
         stage.timer.start();
@@ -248,7 +246,7 @@ private:
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, stage.candidates.id());
         for (const Draw& draw : stage.draws) {
             const gl::Program& program = shaders_.program(candidates_program(draw.kind));
-            program.set("u_half_width", static_cast<float>(transform_.half_width_voxels));
+            program.set("u_half_width", static_cast<float>(sites_.arrays().half_width));
             draw_sections(stage, program, draw);
         }
         glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
@@ -263,7 +261,6 @@ private:
     }
 
     void draw_sections(const Stage& stage, const gl::Program& program, const Draw& draw) {
-        program.set("u_slab_height", target_.slab_height);
         program.set("u_slot_columns", target_.columns);
         program.set("u_target_size",
                     Eigen::Vector2i(target_.width(), target_.height()).cast<float>().eval());
@@ -306,14 +303,12 @@ private:
         result_.candidates += count;
         const std::span candidates(reinterpret_cast<const Candidate*>(stage.candidates.data()),
                                    count);
-        fill_blocks(stage.tiles, candidates);
+        write_blocks(stage.tiles, candidates);
     }
 
-    void fill_blocks(std::span<const SlabTile> tiles, std::span<const Candidate> candidates) {
+    void write_blocks(const std::vector<SeenTile>& tiles, std::span<const Candidate> candidates) {
         const auto block_of = [](const Candidate& c) { return c.sample / samples_per_block; };
-        const int blocks_per_slot = target_.blocks_per_slot();
-        std::vector<std::uint32_t> begin(tiles.size() * static_cast<std::size_t>(blocks_per_slot) +
-                                         1);
+        std::vector<std::uint32_t> begin(tiles.size() * blocks_per_tile + 1);
         for (const Candidate& candidate : candidates) ++begin[block_of(candidate) + 1];
         for (std::size_t i = 1; i < begin.size(); ++i) begin[i] += begin[i - 1];
         std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
@@ -322,31 +317,25 @@ private:
             by_block[next[block_of(candidate)]++] = candidate;
 
         tbb::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t slot) {
-            const SlabTile& tile = tiles[slot];
-            tbb::parallel_for(tile.begin, tile.end, [&](std::uint32_t i) {
-                const BandBlock& of_band = band_.blocks[tiles_.order[i]];
-                const Index3 at = of_band.coordinate - tile.first_sample / block_size;
-                const std::size_t number =
-                    slot * static_cast<std::size_t>(blocks_per_slot) +
-                    static_cast<std::size_t>(at.x() +
-                                             tile_blocks * (at.y() + tile_blocks * at.z()));
-                FieldBlock& block = *std::construct_at(&result_.blocks[of_band.place]);
-                block.coordinate = of_band.coordinate;
-                fill_block(
-                    block,
+            const SeenTile& tile = tiles[slot];
+            transform_.add_blocks(tile.of_band, [&](int b, const Index3& at,
+                                                    ScannedBlock& scanned) {
+                const std::size_t number = slot * blocks_per_tile + static_cast<std::size_t>(b);
+                return finish_block(
+                    tile, at,
                     std::span(by_block).subspan(begin[number], begin[number + 1] - begin[number]),
-                    transform_);
-                meter_.add(1);
+                    sites_.arrays().half_width, voxel_size_, scanned);
             });
+            meter_.add(1);
         });
     }
 
     gl::Context& context_;
     gl::ShaderLibrary& shaders_;
-    SiteArrays sites_;
-    const BandBlocks& band_;
-    const ExactTransform& transform_;
-    SlabTiles tiles_;
+    const Sites& sites_;
+    const BandTiles& band_;
+    TileTransform transform_;
+    double voxel_size_;
     Target target_;
     std::int64_t most_bytes_; // of the candidates of one batch
     gl::Framebuffer no_attachments_;
@@ -358,19 +347,10 @@ private:
 } // namespace
 
 GpuScan scan_on_gpu(gl::Context& context, gl::ShaderLibrary& shaders, const Sites& sites,
-                    const BandBlocks& band, const WindingNumber* winding, double half_width_voxels,
-                    double voxel_size_world, const GpuScanOptions& options,
-                    const Progress& progress) {
-    if (options.slab_height % block_size != 0 || options.slab_height < block_size ||
-        options.slab_height > tile_size)
-        throw InputError(
-            fmt::format("a slab of {} slices is not a multiple of {} between {} and {}",
-                        options.slab_height, block_size, block_size, tile_size));
-    const ExactTransform transform{.sites = sites.arrays(),
-                                   .winding = winding,
-                                   .half_width_voxels = half_width_voxels,
-                                   .voxel_size_world = voxel_size_world};
-    return GpuScanner(context, shaders, sites, band, transform, options, progress).run();
+                    const BandTiles& band, const WindingNumber* winding, double voxel_size_world,
+                    const GpuScanOptions& options, const Progress& progress) {
+    return GpuScanner(context, shaders, sites, band, winding, voxel_size_world, options, progress)
+        .run();
 }
 
 std::vector<gl::ProgramKey> scan_programs() {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
-#include "distance_transform/band_blocks.h"
+#include "distance_transform/band_tiles.h"
 #include "distance_transform/winding_number.h"
 #include "gl/context.h"
 #include "gl/program.h"
@@ -11,12 +11,11 @@
 namespace isocast {
 
 struct GpuScanOptions {
-    int slab_height = 32;     // slices drawn together: a multiple of 8 up to 64
     int target_extent = 2048; // of the image that holds a batch: at most, but for one tile [pixels]
 };
 
 struct GpuScan {
-    FieldBlocks blocks; // at the places that BandBlocks gives them
+    FieldBlocks blocks; // those with samples in the band, in any order
     struct {
         double sections_seconds = 0; // CPU: sites and their slices, batch by batch
         double draw_seconds = 0;     // GL: both passes, by its own clock
@@ -29,26 +28,23 @@ struct GpuScan {
     std::int64_t candidates = 0;       // exact distances computed
 };
 
-/// Exact signed distances at the samples of all blocks, as BlockTransform computes them.
+/// Exact signed distances at the samples of all tiles, as TileTransform computes them.
 ///
-/// Each site is drawn slice by slice as the rectangle of samples that its region meets, slabs of
-/// slices at a time, and of these only the tiles that hold a block of the band. The first pass
-/// keeps for each sample a bound above its distance, by minimum blending; the second lists the
-/// sites that float32 cannot tell from the nearest, mostly one. The CPU computes the exact
-/// distances to those while the GL draws the next batch.
+/// Each site is drawn slice by slice as the rectangle of samples that its region meets, within each
+/// tile that it reaches. The first pass keeps for each sample a bound above its distance, by
+/// minimum blending; the second lists the sites that float32 cannot tell from the nearest, mostly
+/// one. The CPU computes the exact distances to those while the GL draws the next batch.
 ///
 /// context   current on this thread
 /// winding   tells inside from outside; null leaves it to the sites' normals
-/// accuracy  the blocks of BlockTransform, to the last bit but for exact ties
+/// accuracy  the blocks of TileTransform, to the last bit but for exact ties
 ///           (GpuScanOf.HasTheSamplesOfTheCpu)
 /// source    thesis section 4.2.4, where the slices' polygons and the vectors at their corners come
 ///           from the CPU for each slice, and signs from the triangle alone
-/// throws    InputError for unusable options, ResourceError if the GL's images or buffers
-///           cannot hold a batch, gl::GlError
+/// throws    ResourceError if the GL's buffers cannot hold a batch, gl::GlError
 GpuScan scan_on_gpu(gl::Context& context, gl::ShaderLibrary& shaders, const Sites& sites,
-                    const BandBlocks& band, const WindingNumber* winding, double half_width_voxels,
-                    double voxel_size_world, const GpuScanOptions& options = {},
-                    const Progress& progress = {});
+                    const BandTiles& band, const WindingNumber* winding, double voxel_size_world,
+                    const GpuScanOptions& options = {}, const Progress& progress = {});
 
 /// All programs that scan_on_gpu uses.
 std::vector<gl::ProgramKey> scan_programs();

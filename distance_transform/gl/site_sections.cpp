@@ -2,14 +2,14 @@
 #include "distance_transform/gl/site_sections.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace isocast {
 
 namespace {
-
-using Axis = Eigen::Map<const Vec3d>;
 
 /// What float32 does, at most, to a linear function with a gradient of length one where its terms
 /// add up to `terms` (their magnitudes): u = 2^-24 for each of 2 conversions, 5 products and 5
@@ -18,66 +18,39 @@ double float_error(double terms) {
     return 12 * 0x1p-24 * terms;
 }
 
-void write(float (&to)[4], const Vec3d& gradient, double value) {
-    for (int k = 0; k < 3; ++k) to[k] = static_cast<float>(gradient[k]);
-    to[3] = static_cast<float>(value);
-}
+/// A linear function of the samples.
+struct Linear {
+    Vec3d gradient = Vec3d::Zero();
+    double value = 0; // at the cell
 
-void write_face(GpuSite& to, const FaceSite& face, const Vec3d& cell) {
-    const Vec3d d = cell - Axis(face.origin);
-    const Axis r(face.r);
-    const Axis s(face.s);
-    const Axis t(face.t);
-    write(to.functions[0], t, t.dot(d));
-    write(to.functions[1], -s, -s.dot(d));
-    const auto write_side = [&](float(&function)[4], const FaceSite::Side& side, double sign) {
-        const Vec3d outwards = sign * side.sine * r + side.cosine * s;
-        write(function, outwards, outwards.dot(d) - side.sine * side.base);
-    };
-    write_side(to.functions[2], face.right, 1);
-    write_side(to.functions[3], face.left, -1);
-}
-
-void write_edge(GpuSite& to, const EdgeSite& edge, const Vec3d& cell) {
-    const Vec3d d = cell - Axis(edge.origin);
-    const Axis e(edge.e);
-    write(to.functions[0], Axis(edge.x), Axis(edge.x).dot(d));
-    write(to.functions[1], Axis(edge.y), Axis(edge.y).dot(d));
-    write(to.functions[2], -e, -e.dot(d));
-    write(to.functions[3], e, e.dot(d) - edge.length);
-}
-
-void write_vertex(GpuSite& to, const VertexSite& vertex, const Vec3d& cell) {
-    for (int k = 0; k < 3; ++k) write(to.functions[k], Vec3d::Unit(k), cell[k] - vertex.origin[k]);
-}
-
-/// A site by its number among all.
-struct SiteAt {
-    int kind;
-    std::int32_t index; // among those of its kind
-
-    SiteAt(const SiteArrays& sites, std::int32_t number) : kind(0), index(number) {
-        if (index < sites.face_count) return;
-        kind = 1;
-        index -= sites.face_count;
-        if (index < sites.edge_count) return;
-        kind = 2;
-        index -= sites.edge_count;
-    }
-    const double* origin(const SiteArrays& sites) const {
-        if (kind == 0) return sites.faces[index].origin;
-        if (kind == 1) return sites.edges[index].origin;
-        return sites.vertices[index].origin;
-    }
-    void write_functions(GpuSite& to, const SiteArrays& sites, const Vec3d& cell) const {
-        if (kind == 0)
-            write_face(to, sites.faces[index], cell);
-        else if (kind == 1)
-            write_edge(to, sites.edges[index], cell);
-        else
-            write_vertex(to, sites.vertices[index], cell);
+    static Linear of(const SampleFunction& f, int axis, const Index3& cell) {
+        Vec3d gradient;
+        gradient[axis] = f.along_k;
+        gradient[(axis + 1) % 3] = f.along_u;
+        gradient[(axis + 2) % 3] = f.along_v;
+        return {gradient, f.first + gradient.dot(cell.cast<double>())};
     }
 };
+
+/// returns  the greatest magnitude of their values at the cell
+double write_functions(GpuSite& to, int kind, const TileSite& seen, const Index3& cell) {
+    std::array<Linear, 4> f;
+    for (std::size_t i = 0; i < f.size(); ++i)
+        f[i] = Linear::of(seen.functions[i], seen.region.axis, cell);
+    if (kind == 1) {
+        f[3] = {f[2].gradient, f[2].value - seen.length};
+        f[2] = {-f[2].gradient, -f[2].value};
+    }
+    // The three offsets, in any order: the GL needs no side.
+    if (kind == 2) f[0] = std::exchange(f[3], Linear{});
+    double greatest = 0;
+    for (std::size_t i = 0; i < f.size(); ++i) {
+        for (int k = 0; k < 3; ++k) to.functions[i][k] = static_cast<float>(f[i].gradient[k]);
+        to.functions[i][3] = static_cast<float>(f[i].value);
+        greatest = std::max(greatest, std::abs(f[i].value));
+    }
+    return greatest;
+}
 
 /// Where the region's slices along z begin and end, from the cell.
 struct Slices {
@@ -85,33 +58,36 @@ struct Slices {
     double high;
 };
 
-/// moved  from the site's origin to the cell
-Slices write_region(GpuSite& to, const SiteRegion& region, const Vec3d& cell, double moved) {
-    double extent = 0;
-    for (int k = 0; k < 3; ++k) {
-        to.base_min[k] = static_cast<float>(region.base_min[k] - cell[k]);
-        to.base_max[k] = static_cast<float>(region.base_max[k] - cell[k]);
-        to.direction[k] = region.direction[k];
-        to.lateral_factor[k] = region.lateral_factor[k];
-        extent = std::max(extent, double{region.base_max[k]} - region.base_min[k]);
-    }
-    to.low = region.low;
-    to.high = region.high;
-    to.lateral = region.lateral;
-    to.lateral_slope = region.lateral_slope;
+/// value  of the greatest function at the cell
+Slices write_region(GpuSite& to, int kind, const SiteRegion& region, const Index3& cell,
+                    double value) {
     const double height = std::max(-region.low, region.high);
     const double reach = region.lateral + region.lateral_slope * height;
-    // How far the tile's samples in the region are from the cell, along each axis; 2 for roundings
-    // of the region and of the cell to whole samples.
-    const double offset = std::min(extent + height + reach + 2, double{tile_size});
-    // The value at the cell: at most what the cell's distance from the site's origin makes it, and
-    // for the bases of sides the extent; or, where the value at a sample is within the band, what
-    // the offset makes it. Where that is larger, rounding in proportion leaves it large.
+    // A base that goes on beyond is the same to all samples of the tile.
+    const double far = tile_size + height;
+    double extent = 0;
+    for (int k = 0; k < 3; ++k) {
+        to.base_min[k] = static_cast<float>(std::clamp(region.base_min[k] - cell[k], -far, far));
+        to.base_max[k] = static_cast<float>(std::clamp(region.base_max[k] - cell[k], -far, far));
+        to.direction[k] = static_cast<float>(region.direction[k]);
+        to.lateral_factor[k] = static_cast<float>(region.lateral_factor[k]);
+        extent = std::max(extent, region.base_max[k] - region.base_min[k]);
+    }
+    to.low = static_cast<float>(region.low);
+    to.high = static_cast<float>(region.high);
+    to.lateral = static_cast<float>(region.lateral);
+    to.lateral_slope = static_cast<float>(region.lateral_slope);
+    // How far the tile's samples in the region are from the cell, along each axis; 2 for rounding
+    // the cell to a whole sample, and for the region to be drawn in full.
+    const double offset = std::min(extent / 2 + height + reach + 2, double{tile_size});
+    // Where the value at a sample is within the band, the offset bounds that at the cell. Where it
+    // is larger, rounding in proportion leaves it large.
     constexpr double root_3 = std::numbers::sqrt3;
-    const double value = std::min(moved + root_3 * (extent + 1), root_3 * offset + height + reach);
-    to.error = static_cast<float>(float_error(root_3 * offset + value));
-    const double a = double{region.low} * region.direction[2];
-    const double b = double{region.high} * region.direction[2];
+    const double terms = root_3 * offset + std::min(value, root_3 * offset + height + reach);
+    // The distance to a line or a point is made of several functions.
+    to.error = static_cast<float>(float_error(terms) * (kind == 0 ? 1 : 2));
+    const double a = region.low * region.direction[2];
+    const double b = region.high * region.direction[2];
     const double aside = reach * region.lateral_factor[2] + to.error;
     return {to.base_min[2] + std::min(a, b) - aside, to.base_max[2] + std::max(a, b) + aside};
 }
@@ -125,7 +101,8 @@ bool holds_a_sample(const GpuSite& site, int slice) {
     float low = site.low;
     float high = site.high;
     const float aside =
-        (site.lateral + site.lateral_slope * std::max(-low, high)) * site.lateral_factor[2];
+        (site.lateral + site.lateral_slope * std::max(-low, high)) * site.lateral_factor[2] +
+        site.error;
     if (std::abs(w[2]) > 0.01f) {
         const float a = (z - site.base_max[2] - aside) / w[2];
         const float b = (z - site.base_min[2] + aside) / w[2];
@@ -136,48 +113,42 @@ bool holds_a_sample(const GpuSite& site, int slice) {
     const float lateral = site.lateral + site.lateral_slope * std::max(-low, high);
     for (int k = 0; k < 2; ++k) {
         const float around = lateral * site.lateral_factor[k] + site.error;
-        const int first =
-            floor_to_int(-(site.base_min[k] + std::min(low * w[k], high * w[k]) - around));
-        const int last =
-            floor_to_int(site.base_max[k] + std::max(low * w[k], high * w[k]) + around);
-        // -first … last, within the tile.
-        if (std::max(-first + site.cell[k], 0) > std::min(last + site.cell[k], tile_size - 1))
-            return false;
+        const float cell = static_cast<float>(site.cell[k]);
+        const float first =
+            std::ceil(site.base_min[k] + std::min(low * w[k], high * w[k]) - around) + cell;
+        const float last =
+            std::floor(site.base_max[k] + std::max(low * w[k], high * w[k]) + around) + cell;
+        if (std::max(first, 0.0f) > std::min(last, tile_size - 1.0f)) return false;
     }
     return true;
 }
 
 } // namespace
 
-std::vector<TileSite> sections_of_tile(const SiteArrays& sites, std::span<const std::int32_t> list,
-                                       const Index3& first_sample, int slab_height, int slot) {
-    std::vector<TileSite> result;
-    result.reserve(list.size());
-    const Vec3d tile_min = first_sample.cast<double>();
-    const Vec3d tile_max = tile_min + Vec3d(tile_size - 1, tile_size - 1, slab_height - 1);
-    for (const std::int32_t number : list) {
-        const SiteAt at(sites, number);
-        // Next to the site, but no farther from the tile's samples than they are from each other.
-        const Vec3d cell =
-            Axis(at.origin(sites)).array().floor().matrix().cwiseMax(tile_min).cwiseMin(tile_max);
+std::vector<SiteSections> sections_of_tile(const SeenTile& tile, int slot) {
+    std::vector<SiteSections> result;
+    result.reserve(tile.sites.size());
+    for (std::size_t i = 0; i < tile.sites.size(); ++i) {
+        const TileSite& seen = tile.sites[i];
+        const int kind = tile.kind(i);
+        Index3 cell;
+        for (int k = 0; k < 3; ++k)
+            cell[k] = static_cast<int>(std::clamp(
+                (seen.region.base_min[k] + seen.region.base_max[k]) / 2, 0.0, tile_size - 1.0));
         GpuSite site{};
-        const Slices slices =
-            write_region(site, sites.regions[number], cell, (cell - Axis(at.origin(sites))).norm());
-        // The distance to a line or a point is made of several functions.
-        if (at.kind != 0) site.error *= 2;
-        const Index3 cell_in_tile = cell.cast<int>() - first_sample;
-        const int first = std::max(0, static_cast<int>(std::ceil(slices.low)) + cell_in_tile.z());
+        const double value = write_functions(site, kind, seen, cell);
+        const Slices slices = write_region(site, kind, seen.region, cell, value);
+        const int first = std::max(0, static_cast<int>(std::ceil(slices.low)) + cell.z());
         const int last =
-            std::min(slab_height - 1, static_cast<int>(std::floor(slices.high)) + cell_in_tile.z());
-        std::ranges::copy(cell_in_tile, site.cell);
+            std::min(tile_size - 1, static_cast<int>(std::floor(slices.high)) + cell.z());
+        std::ranges::copy(cell, site.cell);
         site.slot = slot;
-        site.number = number;
-        at.write_functions(site, sites, cell);
+        site.number = static_cast<std::int32_t>(i);
         for (int z = first; z <= last; ++z) {
             if (!holds_a_sample(site, z)) continue;
             site.first_slice = z;
             while (z < last && holds_a_sample(site, z + 1)) ++z;
-            result.push_back({site, at.kind, z - site.first_slice + 1});
+            result.push_back({site, kind, z - site.first_slice + 1});
         }
     }
     return result;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
-#include "distance_transform/gl/slab_tiles.h"
+#include "distance_transform/gl/seen_tile.h"
 
 namespace isocast {
 
@@ -10,7 +10,7 @@ namespace isocast {
 ///
 /// twin  shaders/distance/section.vert: Site
 struct GpuSite {
-    std::int32_t cell[3]; // a sample of the tile next to the site's origin, from the first one
+    std::int32_t cell[3]; // the tile's sample next to the site's middle, from the first one
     std::int32_t slot;    // the tile's place in the target
     float base_min[3];    // SiteRegion, from the cell
     float low;
@@ -23,17 +23,15 @@ struct GpuSite {
     /// Linear functions of a sample: gradient, and value at the cell. shaders/distance/section.glsl
     /// says which they are.
     float functions[4][4];
-    std::int32_t number;
+    std::int32_t number;      // in SeenTile::sites
     std::int32_t first_slice; // of the tile
     float error; // bound on what float does to any of the functions and the distance [voxels]
     float unused;
 };
 static_assert(sizeof(GpuSite) == 160, "ten attributes of 16 bytes");
 
-inline constexpr int site_kinds = 3; // faces, edges, vertices: SITE_KIND 0, 1, 2
-
 /// An instance of the draw: a site, with a rectangle for each of some slices of a tile.
-struct TileSite {
+struct SiteSections {
     GpuSite site;
     int kind;
     int slice_count; // >= 1
@@ -41,9 +39,7 @@ struct TileSite {
 
 /// All instances that the tile's samples need, with no slice that holds none.
 ///
-/// list  sites that may reach the tile, in ascending order
 /// slot  the tile's place in the target
-std::vector<TileSite> sections_of_tile(const SiteArrays& sites, std::span<const std::int32_t> list,
-                                       const Index3& first_sample, int slab_height, int slot);
+std::vector<SiteSections> sections_of_tile(const SeenTile& tile, int slot);
 
 } // namespace isocast

@@ -15,7 +15,6 @@ layout(std430, binding = 2) buffer Count { uint count; };
 layout(std430, binding = 3) writeonly buffer Candidates { uvec2 candidates[]; }; // sample, site
 layout(binding = 0) uniform sampler2D t_bound;
 uniform float u_half_width;
-uniform int u_slab_height;
 
 void main() {
     vec2 d = gl_FragCoord.xy - v_first_pixel;
@@ -26,11 +25,11 @@ void main() {
     uint at = atomicAdd(count, 1u);
     // A count beyond the capacity tells that the buffer is too small.
     if (at >= uint(candidates.length())) return;
-    // Blocks of 8^3 samples, 8 x 8 of them in each layer of a tile.
+    // Blocks of 8^3 samples, 4^3 of them in a tile.
     ivec3 p = ivec3(v_sample.xy + ivec2(d), v_sample.z);
     ivec3 block = p >> 3;
     ivec3 within = p & 7;
-    int block_number = ((v_sample.w * (u_slab_height >> 3) + block.z) * 8 + block.y) * 8 + block.x;
+    int block_number = ((v_sample.w * 4 + block.z) * 4 + block.y) * 4 + block.x;
     int sample_number = (block_number << 9) + within.x + 8 * within.y + 64 * within.z;
     candidates[at] = uvec2(sample_number, v_site);
 }

@@ -3,9 +3,9 @@
 // twin  distance_transform/gl/site_sections.h: GpuSite
 #version 450 core
 
-const int tile_size = 64; // distance_transform/gl/slab_tiles.h
+const int tile_size = 32; // distance_transform/scan_kernel.h
 
-layout(location = 0) in ivec4 cell;          // a sample of the tile next to the site; w the slot
+layout(location = 0) in ivec4 cell;          // the tile's sample next to the site; w the slot
 layout(location = 1) in vec4 base_min;       // from the cell; w the least height
 layout(location = 2) in vec4 base_max;       // w the greatest height
 layout(location = 3) in vec4 direction;      // of heights; w the lateral offset at height 0
@@ -13,8 +13,7 @@ layout(location = 4) in vec4 lateral_factor; // w how the lateral offset grows w
 layout(location = 5) in vec4 functions[4];   // gradients, and values at the cell
 layout(location = 9) in ivec4 numbers;       // of the site, of its first slice, bits of the error
 
-uniform int u_slab_height;   // slices of a tile
-uniform int u_slot_columns;  // tiles beside each other in the target
+uniform int u_slot_columns; // tiles beside each other in the target
 uniform vec2 u_target_size;
 
 flat out vec4 v_value;       // of the functions at the first sample of the rectangle
@@ -31,11 +30,11 @@ void main() {
     float error = intBitsToFloat(numbers.z); // bound on what float does to any of the functions
     float z = float(slice - cell.z);
 
-    // Heights of the region at which it meets the slice, as in for_each_cell of sites.h.
+    // Heights of the region at which it meets the slice, as in for_each_tile of band_tiles.cpp.
     float low = base_min.w;
     float high = base_max.w;
     float slope = lateral_factor.w;
-    float aside = (direction.w + slope * max(-low, high)) * lateral_factor.z;
+    float aside = (direction.w + slope * max(-low, high)) * lateral_factor.z + error;
     // Below 0.01 of an upright direction the slice says little about heights.
     if (abs(w.z) > 0.01) {
         float a = (z - base_max.z - aside) / w.z;
@@ -52,7 +51,7 @@ void main() {
 
     int slot = cell.w;
     ivec2 slot_pixel = ivec2(slot % u_slot_columns, slot / u_slot_columns) *
-                           ivec2(tile_size, tile_size * u_slab_height) +
+                           ivec2(tile_size, tile_size * tile_size) +
                        ivec2(0, tile_size * slice);
     // Sample p is the middle of pixel p: a rectangle of whole pixels covers just its samples.
     ivec2 corner = mix(first, end, notEqual(gl_VertexID & ivec2(1, 2), ivec2(0)));

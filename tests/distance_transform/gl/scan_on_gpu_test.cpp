@@ -2,17 +2,18 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/gl/scan_on_gpu.h"
 
-#include "distance_transform/block_transform.h"
 #include "distance_transform/checked_mesh.h"
 #include "distance_transform/convert.h"
 #include "distance_transform/lattice.h"
 #include "distance_transform/mesh_files.h"
 #include "distance_transform/sample_meshes.h"
+#include "distance_transform/tile_transform.h"
 #include "volume/errors.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -27,46 +28,41 @@ constexpr double no_limit = std::numeric_limits<double>::infinity();
 
 /// A mesh on its lattice, ready to be scanned by either.
 struct Prepared {
-    double half_width;
+    CheckedMesh input;
     double voxel_size;
+    LatticeMesh lattice;
     Sites sites;
-    BandBlocks band;
+    BandTiles band;
     std::optional<WindingNumber> winding;
 
-    Prepared(const CheckedMesh& input, int resolution, double half_width_voxels)
-        : half_width(half_width_voxels),
-          voxel_size(voxel_size_for_resolution(bounding_box(input.mesh), resolution)) {
-        const LatticeMesh lattice = on_lattice(input.mesh, voxel_size, half_width);
-        sites = voronoi_sites(lattice.mesh, input.topology, half_width);
-        band = find_band_blocks(sites, no_limit, {});
+    Prepared(CheckedMesh mesh, int resolution, double half_width)
+        : input(std::move(mesh)),
+          voxel_size(voxel_size_for_resolution(bounding_box(input.mesh), resolution)),
+          lattice(on_lattice(input.mesh, voxel_size, half_width)),
+          sites(lattice.mesh, input.topology, half_width),
+          band(find_band_tiles(sites, no_limit, {})) {
         const bool is_closed = input.verdict.is_closed() && input.verdict.is_oriented();
         if (!is_closed) winding.emplace(lattice.mesh, false);
     }
 
     FieldBlocks on_cpu() const {
-        const BlockTransform transform(sites.arrays(),
-                                       BlockSigns{.winding = winding ? &*winding : nullptr},
-                                       half_width, voxel_size);
-        FieldBlocks blocks(band.blocks.size());
-        for (const BandBlock& of_band : band.blocks) {
-            FieldBlock& block = *std::construct_at(&blocks[of_band.place]);
-            block.coordinate = of_band.coordinate;
-            transform.run(block, band.sites(of_band));
-        }
-        return blocks;
+        TileTransform transform(sites, {.winding = winding ? &*winding : nullptr}, voxel_size,
+                                band.block_count);
+        for (const BandTile& tile : band.tiles) transform.run(tile, band.sites_of(tile));
+        return transform.take().blocks;
     }
 
     GpuScan on_gpu(gl::Context& context, const GpuScanOptions& options = {}) const {
         gl::ShaderLibrary shaders({shader_folder});
-        return scan_on_gpu(context, shaders, sites, band, winding ? &*winding : nullptr, half_width,
-                           voxel_size, options);
+        return scan_on_gpu(context, shaders, sites, band, winding ? &*winding : nullptr, voxel_size,
+                           options);
     }
 };
 
 struct Differences {
-    std::int64_t active = 0;      // samples, of the first
-    std::int64_t activity = 0;    // active in one only
-    std::int64_t signs = 0;       // of any sample of a block with active ones
+    std::int64_t active = 0;   // samples, of the first
+    std::int64_t activity = 0; // active in one only
+    std::int64_t signs = 0;
     std::int64_t values = 0;      // whose bits differ
     double greatest_distance = 0; // between two values [voxels]
 };
@@ -74,14 +70,18 @@ struct Differences {
 Differences differences(const FieldBlocks& a, const FieldBlocks& b, double voxel_size) {
     Differences result;
     EXPECT_EQ(a.size(), b.size());
-    for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
-        EXPECT_EQ(a[i].coordinate, b[i].coordinate);
-        result.active += static_cast<std::int64_t>(a[i].active.count());
-        result.activity += static_cast<std::int64_t>((a[i].active ^ b[i].active).count());
-        if (a[i].active.none()) continue; // values mean nothing there
+    if (a.size() != b.size()) return result;
+    const auto in_a = zyx_order(a);
+    const auto in_b = zyx_order(b);
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        const FieldBlock& one = a[in_a[i]];
+        const FieldBlock& other = b[in_b[i]];
+        EXPECT_EQ(one.coordinate, other.coordinate);
+        result.active += static_cast<std::int64_t>(one.active.count());
+        result.activity += static_cast<std::int64_t>((one.active ^ other.active).count());
         for (int k = 0; k < samples_per_block; ++k) {
-            const float x = a[i].values[k];
-            const float y = b[i].values[k];
+            const float x = one.values[k];
+            const float y = other.values[k];
             result.signs += std::signbit(x) != std::signbit(y);
             result.values += std::memcmp(&x, &y, sizeof x) != 0;
             // A value that is no number must not slip through.
@@ -93,13 +93,15 @@ Differences differences(const FieldBlocks& a, const FieldBlocks& b, double voxel
     return result;
 }
 
-/// Same active samples and signs, and distances within 1e-5 voxel, what the project promises: both
-/// are rounded once to float from doubles.
+/// Same active samples and signs, and the same bits but for exact ties, of which the CPU's kernel
+/// may take another: its doubles differ in their last bits, and so do one in 2^29 of the floats
+/// that these are rounded to. Hence at most one, within the 1e-5 voxel that the project promises.
 Differences expect_the_cpus_samples(const Prepared& prepared, const GpuScan& gpu) {
     const Differences found = differences(prepared.on_cpu(), gpu.blocks, prepared.voxel_size);
     EXPECT_GT(found.active, 10000);
     EXPECT_EQ(found.activity, 0);
     EXPECT_EQ(found.signs, 0);
+    EXPECT_LE(found.values, 1);
     EXPECT_LE(found.greatest_distance, 1e-5);
     return found;
 }
@@ -146,8 +148,6 @@ TEST_P(GpuScanOf, HasTheSamplesOfTheCpu) {
     const Prepared prepared(*mesh, GetParam().resolution, GetParam().half_width);
     const GpuScan gpu = prepared.on_gpu(*context);
     const Differences found = expect_the_cpus_samples(prepared, gpu);
-    RecordProperty("greatest_distance_voxels", std::to_string(found.greatest_distance));
-    RecordProperty("values_with_other_bits", std::to_string(found.values));
     // Float tells nearly all samples' nearest sites apart: the exact distances are few.
     EXPECT_LT(static_cast<double>(gpu.candidates), 1.2 * static_cast<double>(found.active));
 }
@@ -174,18 +174,10 @@ void expect_same_bits(const FieldBlocks& a, const FieldBlocks& b) {
     EXPECT_EQ(found.values, 0);
 }
 
-TEST_F(GpuScanBatches, SlabsOfAnyHeightGiveTheSame) {
-    const GpuScan thin = prepared.on_gpu(*context, {.slab_height = 8});
-    for (const int height : {16, 24, 64}) {
-        const GpuScan thick = prepared.on_gpu(*context, {.slab_height = height});
-        expect_same_bits(thin.blocks, thick.blocks);
-    }
-}
-
 TEST_F(GpuScanBatches, ImagesOfAnySizeGiveTheSame) {
     const GpuScan whole = prepared.on_gpu(*context);
     ASSERT_EQ(whole.batches, 1);
-    const GpuScan parts = prepared.on_gpu(*context, {.slab_height = 8, .target_extent = 512});
+    const GpuScan parts = prepared.on_gpu(*context, {.target_extent = 128});
     EXPECT_GT(parts.batches, 2);
     expect_same_bits(whole.blocks, parts.blocks);
 }
@@ -208,15 +200,9 @@ TEST_F(GpuScanBatches, AnInterruptedScanLeavesTheContextUsable) {
         if (fraction > 0) throw Interrupted();
     };
     EXPECT_THROW(scan_on_gpu(*context, shaders, prepared.sites, prepared.band, nullptr,
-                             prepared.half_width, prepared.voxel_size, {.target_extent = 512},
-                             interrupt),
+                             prepared.voxel_size, {.target_extent = 128}, interrupt),
                  Interrupted);
     expect_the_cpus_samples(prepared, prepared.on_gpu(*context));
-}
-
-TEST_F(GpuScanBatches, RefusesSlabsThatAreNoWholeBlocks) {
-    for (const int height : {-8, 0, 4, 12, 72})
-        EXPECT_THROW(prepared.on_gpu(*context, {.slab_height = height}), InputError) << height;
 }
 
 /// Two sheets a millionth of a voxel apart at 60 voxels to 2.8.
@@ -255,7 +241,7 @@ TEST(GpuScan, CandidatesThatOverflowAreDrawnAgain) {
     expect_the_cpus_samples(prepared, narrow);
 }
 
-/// Triangles far larger than the grid's blocks, and a field that spans many tiles.
+/// Triangles far larger than a tile, and a field that spans many tiles.
 TEST(GpuScan, HasTheSamplesOfTheCpuForLongTriangles) {
     Mesh tetrahedron;
     tetrahedron.vertices_world = {{0, 0, 0}, {1, 0.1, 0.05}, {0.1, 0.2, 0.01}, {0.3, 0.1, 0.4}};

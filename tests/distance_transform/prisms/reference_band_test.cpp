@@ -37,7 +37,10 @@ struct Case {
         const ConvertResult exact = convert(mesh, {.voxel_size_world = voxel,
                                                    .half_width_voxels = half_width,
                                                    .sign = SignMethod::Normal});
-        return band_errors(exact.field.blocks(), field_of(std::move(band)).blocks(), voxel);
+        const auto blocks = [](const SparseField& field) {
+            return std::vector<FieldBlock>(field.blocks().begin(), field.blocks().end());
+        };
+        return band_errors(blocks(exact.field), blocks(field_of(std::move(band))), voxel);
     }
 };
 
@@ -241,8 +244,7 @@ TEST(ReferenceBand, RefusesToTakeMoreMemoryThanGiven) {
 
 TEST(BandErrors, CountWhatWasChanged) {
     const Case solid(cube(), 20, 3.0);
-    const FieldBlocks exact =
-        scan_convert_prisms(solid.lattice, 3.0, Gaps::Leave, no_limit).blocks;
+    const FieldBlocks exact = scan_convert_prisms(solid.lattice, 3.0, Gaps::Leave, no_limit).blocks;
     ASSERT_GT(exact.size(), 3u);
     FieldBlocks changed = exact;
     const auto active_sample = [](const FieldBlock& block, double least) {

@@ -15,6 +15,7 @@
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <atomic>
@@ -203,16 +204,19 @@ ConvertResult convert(const CheckedMesh& input, const ConvertOptions& options,
     const double background = half_width * options.voxel_size_world;
     const double memory = std::min(options.memory_bytes, available_memory_bytes());
     LatticeMesh lattice = on_lattice(input.mesh, options.voxel_size_world, half_width);
+    bool is_merged = false;
+    double least_bytes = 0;
+    tbb::parallel_invoke([&] { is_merged = has_merged_vertices(lattice.mesh); },
+                         [&] { least_bytes = least_field_bytes(lattice.mesh, half_width); });
+    if (least_bytes > memory) refuse_memory(least_bytes, memory);
     // Vertices nearer to each other than to the lattice's anchor by 2^53 are cleaned once more.
     std::optional<CheckedMesh> merged;
-    if (has_merged_vertices(lattice.mesh)) {
+    if (is_merged) {
         merged = check(lattice.mesh);
         lattice.mesh = merged->mesh;
     }
     const MeshTopology& topology = merged ? merged->topology : input.topology;
     const MeshVerdict& verdict = merged ? merged->verdict : input.verdict;
-    if (const double least = least_field_bytes(lattice.mesh, half_width); least > memory)
-        refuse_memory(least, memory);
     if (std::isfinite(options.memory_bytes)) {
         const double expected = estimate(input, options).peak_bytes;
         if (expected > options.memory_bytes) refuse_memory(expected, options.memory_bytes);

@@ -6,6 +6,7 @@
 #include "volume/sparse_field.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <cmath>
 
@@ -37,11 +38,16 @@ LatticeMesh on_lattice(const Mesh& mesh, double voxel_size_world, double half_wi
     result.space = GridSpace::uniform(voxel_size_world, translation_world);
 
     const Vec3d anchor_world = result.space.to_world(result.anchor.cast<double>());
+    const auto in_voxels = [&](const Vec3d& p_world) -> Vec3d {
+        return (p_world - anchor_world) / voxel_size_world;
+    };
     result.mesh.triangles = mesh.triangles;
-    result.mesh.vertices_world.reserve(mesh.vertices_world.size());
-    for (const Vec3d& p : mesh.vertices_world)
-        result.mesh.vertices_world.emplace_back((p - anchor_world) / voxel_size_world);
-    result.box = bounding_box(result.mesh);
+    result.mesh.vertices_world.resize(mesh.vertices_world.size());
+    tbb::parallel_for(std::size_t{0}, mesh.vertices_world.size(), [&](std::size_t v) {
+        result.mesh.vertices_world[v] = in_voxels(mesh.vertices_world[v]);
+    });
+    // Rounding keeps the order of coordinates, so that this is the box of the rounded vertices.
+    result.box = {in_voxels(box.min), in_voxels(box.max)};
     return result;
 }
 

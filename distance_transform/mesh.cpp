@@ -2,20 +2,31 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/mesh.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
 #include <limits>
 
 namespace isocast {
 
 WorldBox bounding_box(const Mesh& mesh) {
     const double infinity = std::numeric_limits<double>::infinity();
-    WorldBox box{Vec3d::Constant(infinity), Vec3d::Constant(-infinity)};
-    for (const std::array<int, 3>& triangle : mesh.triangles) {
-        for (const int vertex : triangle) {
-            box.min = box.min.cwiseMin(mesh.vertices_world[vertex]);
-            box.max = box.max.cwiseMax(mesh.vertices_world[vertex]);
-        }
-    }
-    return box;
+    using Range = tbb::blocked_range<std::size_t>;
+    return tbb::parallel_reduce(
+        Range(0, mesh.triangles.size(), 4096),
+        WorldBox{Vec3d::Constant(infinity), Vec3d::Constant(-infinity)},
+        [&](const Range& range, WorldBox box) {
+            for (std::size_t t = range.begin(); t < range.end(); ++t) {
+                for (const int vertex : mesh.triangles[t]) {
+                    box.min = box.min.cwiseMin(mesh.vertices_world[vertex]);
+                    box.max = box.max.cwiseMax(mesh.vertices_world[vertex]);
+                }
+            }
+            return box;
+        },
+        [](const WorldBox& a, const WorldBox& b) {
+            return WorldBox{a.min.cwiseMin(b.min), a.max.cwiseMax(b.max)};
+        });
 }
 
 Vec3d face_normal(const Mesh& mesh, int triangle) {

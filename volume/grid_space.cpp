@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "volume/grid_space.h"
 
-#include <tuple>
 
 namespace isocast {
 
@@ -31,10 +30,6 @@ IndexBox dilated(const IndexBox& box, int below, int above) {
 
 Index3 floor_div(const Index3& index, int divisor) {
     return index.unaryExpr([divisor](int i) { return floor_div(i, divisor); });
-}
-
-bool zyx_less(const Index3& a, const Index3& b) {
-    return std::tuple(a.z(), a.y(), a.x()) < std::tuple(b.z(), b.y(), b.x());
 }
 
 GridSpace GridSpace::uniform(double voxel_size_world, const Vec3d& origin_world) {

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 
 #include <cstdint>
+#include <tuple>
 
 namespace isocast {
 
@@ -38,7 +39,9 @@ IndexBox dilated(const IndexBox& box, int below, int above);
 /// The greatest integers that are not above index / divisor. divisor > 0
 Index3 floor_div(const Index3& index, int divisor);
 /// The order in which blocks and bricks are listed: by z, then y, then x.
-bool zyx_less(const Index3& a, const Index3& b);
+inline bool zyx_less(const Index3& a, const Index3& b) {
+    return std::tuple(a.z(), a.y(), a.x()) < std::tuple(b.z(), b.y(), b.x());
+}
 
 /// The affine map of a grid: samples lie at integer index coordinates.
 struct GridSpace {

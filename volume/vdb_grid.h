@@ -1,4 +1,4 @@
-// Fields as OpenVDB grids. For sources of this folder only: no header of ours includes this one.
+// Fields as OpenVDB grids. For sources that know OpenVDB: no header of ours includes this one.
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 

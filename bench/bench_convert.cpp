@@ -15,6 +15,7 @@
 #include <chrono>
 #include <cmath>
 #include <fstream>
+#include <map>
 #include <optional>
 
 namespace {
@@ -56,64 +57,75 @@ double voxel_size(const Mesh& mesh, int resolution) {
     return bounding_box(mesh).size().maxCoeff() / (resolution - 9);
 }
 
-struct Timing {
-    double total = 0; // medians of seconds, the mesh's verdict included
-    double check = 0;
-    std::optional<ConvertResult> last;
+tbb::global_control threads(int count) {
+    return {tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(count)};
+}
+
+struct Run {
+    double seconds; // the mesh's verdict included
+    double check_seconds;
+    ConvertResult result;
 };
 
-/// One run to warm up, then the median; what a run gives back is freed outside the time taken.
-Timing time_ours(const Mesh& mesh, const ConvertOptions& options, int threads, int repeats) {
-    const tbb::global_control control(tbb::global_control::max_allowed_parallelism,
-                                      static_cast<std::size_t>(threads));
-    Timing timing;
-    std::vector<double> total;
-    std::vector<double> checking;
-    for (int i = -1; i < repeats; ++i) {
-        timing.last.reset();
-        const auto start = Clock::now();
-        const CheckedMesh checked = check(mesh);
-        const double check_seconds = seconds_since(start);
-        timing.last.emplace(convert(checked, options));
-        if (i < 0) continue;
-        total.push_back(seconds_since(start));
-        checking.push_back(check_seconds);
-    }
-    timing.total = median(total);
-    timing.check = median(checking);
-    return timing;
+Run run_ours(const Mesh& mesh, const ConvertOptions& options, int thread_count) {
+    const auto control = threads(thread_count);
+    const auto start = Clock::now();
+    const CheckedMesh checked = check(mesh);
+    const double check_seconds = seconds_since(start);
+    ConvertResult result = convert(checked, options);
+    return {seconds_since(start), check_seconds, std::move(result)};
 }
 
-double time_openvdb(const Mesh& mesh, const ConvertOptions& options, int threads, int repeats) {
-    const tbb::global_control control(tbb::global_control::max_allowed_parallelism,
-                                      static_cast<std::size_t>(threads));
-    const VdbInput input = vdb_input(mesh);
+double run_openvdb(const VdbInput& input, const ConvertOptions& options) {
+    const auto control = threads(2);
     const auto transform =
         openvdb::math::Transform::createLinearTransform(options.voxel_size_world);
-    std::vector<double> taken;
-    for (int i = -1; i < repeats; ++i) {
-        const auto start = Clock::now();
-        const auto grid = openvdb::tools::meshToLevelSet<openvdb::FloatGrid>(
-            *transform, input.points, input.triangles, float(options.half_width_voxels));
-        if (i >= 0) taken.push_back(seconds_since(start));
-    }
-    return median(taken);
+    const auto start = Clock::now();
+    const auto grid = openvdb::tools::meshToLevelSet<openvdb::FloatGrid>(
+        *transform, input.points, input.triangles, float(options.half_width_voxels));
+    return seconds_since(start);
 }
 
+/// The three in turn, each once to warm up and once timed, so that a machine's drift is in all of
+/// them; ratios are of each turn.
 void run_case(const Mesh& mesh, const Case& c, int repeats, bool with_openvdb) {
     const ConvertOptions options{.voxel_size_world = voxel_size(mesh, c.resolution),
                                  .half_width_voxels = c.half_width_voxels > 0
                                                           ? c.half_width_voxels
                                                           : 0.1 * (c.resolution - 9)};
-    const Timing ours = time_ours(mesh, options, 2, repeats);
-    const double theirs = with_openvdb ? time_openvdb(mesh, options, 2, repeats) : NAN;
-    const Timing on_one = time_ours(mesh, options, 1, repeats);
-    const double active = double(ours.last->field.active_voxel_count());
-    fmt::print("{:<8} {:>6.1f} {:>9.0f} {:>8.4f} {:>8.4f} {:>7.1f} {:>8.4f} {:>5.2f} {:>8.4f} "
-               "{:>8.4f} {:>8.4f} {:>7.2f}\n",
-               c.name, options.half_width_voxels, active, ours.total, theirs, theirs / ours.total,
-               on_one.total, on_one.total / ours.total, ours.check, ours.last->time.prepare_seconds,
-               ours.last->time.transform_seconds, double(ours.last->distance_evaluations) / active);
+    const VdbInput input = vdb_input(mesh);
+    std::map<std::string, std::vector<double>> taken;
+    std::int64_t active = 0;
+    std::int64_t evaluations = 0;
+    for (int i = 0; i < repeats; ++i) {
+        run_ours(mesh, options, 2);
+        {
+            const Run two = run_ours(mesh, options, 2);
+            taken["two"].push_back(two.seconds);
+            taken["check"].push_back(two.check_seconds);
+            taken["prepare"].push_back(two.result.time.prepare_seconds);
+            taken["transform"].push_back(two.result.time.transform_seconds);
+            active = two.result.field.active_voxel_count();
+            evaluations = two.result.distance_evaluations;
+        }
+        if (with_openvdb) {
+            run_openvdb(input, options);
+            taken["OpenVDB"].push_back(run_openvdb(input, options));
+        } else {
+            taken["OpenVDB"].push_back(NAN);
+        }
+        run_ours(mesh, options, 1);
+        taken["one"].push_back(run_ours(mesh, options, 1).seconds);
+        taken["ratio"].push_back(taken["OpenVDB"].back() / taken["two"].back());
+        taken["speed-up"].push_back(taken["one"].back() / taken["two"].back());
+    }
+    const auto of = [&](const std::string& what) { return median(taken[what]); };
+    fmt::print(
+        "{:<8} {:>6.1f} {:>9} {:>8.4f} {:>8.4f} {:>7.1f} {:>8.4f} {:>8.2f} {:>8.4f} {:>8.4f} "
+        "{:>9.4f} {:>7.2f}\n",
+        c.name, options.half_width_voxels, active, of("two"), of("OpenVDB"), of("ratio"), of("one"),
+        of("speed-up"), of("check"), of("prepare"), of("transform"),
+        double(evaluations) / double(active));
 }
 
 /// Every sample of resolution^3 about the mesh, exact.
@@ -167,10 +179,11 @@ int main(int argc, char** argv) {
     CLI11_PARSE(app, argc, argv);
     openvdb::initialize();
     const Mesh mesh = read_mesh(path);
-    fmt::print("Seconds on two threads, and on one; check, prepare and transform are parts of the "
-               "first.\n{:<8} {:>6} {:>9} {:>8} {:>8} {:>7} {:>8} {:>5} {:>8} {:>8} {:>8} {:>7}\n",
-               "case", "half", "active", "ours", "OpenVDB", "ratio", "one", "1:2", "check",
-               "prepare", "transf", "evals");
+    fmt::print("Medians of seconds: ours on two threads, OpenVDB on two, ours on one; of the first "
+               "the parts.\n{:<8} {:>6} {:>9} {:>8} {:>8} {:>7} {:>8} {:>8} {:>8} {:>8} {:>9} "
+               "{:>7}\n",
+               "case", "half", "active", "ours", "OpenVDB", "ratio", "one", "speed-up", "check",
+               "prepare", "transform", "evals");
     for (const Case& c : {Case{"256/3", 256, 3}, Case{"512/3", 512, 3}, Case{"256/21", 256, 21},
                           Case{"256/10%", 256, 0}})
         if (only.empty() || only == c.name) run_case(mesh, c, repeats, !no_openvdb);

@@ -33,8 +33,6 @@ ISOCAST_INLINE void for_kind(const TileInput& input, std::int64_t& next, std::in
         int count = 1;
         while (count < lanes && next + count < input.count && input.list[next + count] < end)
             ++count;
-        for (std::int64_t i = next + count; i < next + 2 * lanes && i < input.count; ++i)
-            if (input.list[i] < end) Sites::prefetch(*input.sites, input.list[i] - first);
         const Sites sites(*input.sites, Numbers(input.list + next, count, first));
         SeenSites seen;
         const Regions regions = see(sites, *input.sites, input.first_sample, seen);

@@ -170,10 +170,6 @@ struct Faces {
     Side right;
     Side left;
 
-    /// What the constructor will read: it lies about in memory.
-    static ISOCAST_INLINE void prefetch(const SiteArrays& sites, std::int32_t face) {
-        for (int k = 0; k < 3; ++k) __builtin_prefetch(sites.vertices[sites.triangles[face][k]]);
-    }
     ISOCAST_INLINE Faces(const SiteArrays& sites, const Numbers& numbers) {
         Gathered<9> in;
         for (int lane = 0; lane < lanes; ++lane)
@@ -240,13 +236,6 @@ struct Edges {
     Doubles slope;
     Mask<double> is_empty;
 
-    static ISOCAST_INLINE void prefetch(const SiteArrays& sites, std::int32_t number) {
-        const EdgeData& edge = sites.edges[number];
-        for (int k = 0; k < 2; ++k) {
-            __builtin_prefetch(sites.vertices[edge.ends[k]]);
-            __builtin_prefetch(&sites.faces[edge.faces[k]]);
-        }
-    }
     ISOCAST_INLINE Edges(const SiteArrays& sites, const Numbers& numbers) {
         Gathered<16> in;
         alignas(64) double kinds[4][lanes];
@@ -342,9 +331,6 @@ struct Fans {
     Doubles slope;
     Mask<double> is_empty;
 
-    static ISOCAST_INLINE void prefetch(const SiteArrays& sites, std::int32_t fan) {
-        __builtin_prefetch(sites.vertices[sites.fans[fan].vertex]);
-    }
     ISOCAST_INLINE Fans(const SiteArrays& sites, const Numbers& numbers) {
         Gathered<8> in;
         for (int lane = 0; lane < lanes; ++lane) {

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/tile_transform.h"
 
+#include <tbb/task_arena.h>
+
+#include <algorithm>
 #include <cstring>
 #include <memory>
 
@@ -11,9 +14,11 @@ TileTransform::TileTransform(const Sites& sites, BandSigns signs, double voxel_s
                              std::size_t most_blocks, bool with_closest)
     : sites_(sites), signs_(signs), voxel_size_(voxel_size_world),
       memory_([with_closest] { return TileMemory(with_closest); }) {
-    samples_.blocks.resize(most_blocks);
-    samples_.negative.resize(most_blocks);
-    samples_.closest.resize(with_closest ? most_blocks : 0);
+    const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+    const std::size_t places = most_blocks + threads * blocks_per_run;
+    samples_.blocks.resize(places);
+    samples_.negative.resize(places);
+    samples_.closest.resize(with_closest ? places : 0);
 }
 
 std::int64_t TileTransform::run(const BandTile& tile, std::span<const std::int32_t> list) {
@@ -33,14 +38,38 @@ std::int64_t TileTransform::run(const BandTile& tile, std::span<const std::int32
 }
 
 BandSamples TileTransform::take() {
-    samples_.blocks.resize(block_count_);
-    samples_.negative.resize(block_count_);
-    if (!samples_.closest.empty()) samples_.closest.resize(block_count_);
+    // The last blocks move to the places that the threads have left.
+    std::vector<std::size_t> left;
+    for (const Run& run : runs_)
+        for (std::size_t place = run.next; place < run.end; ++place) left.push_back(place);
+    std::ranges::sort(left);
+    const std::size_t block_count = place_count_ - left.size();
+    std::size_t last = place_count_;
+    for (const std::size_t place : left) {
+        if (place >= block_count) break;
+        do --last;
+        while (std::ranges::binary_search(left, last));
+        samples_.blocks[place] = samples_.blocks[last];
+        samples_.negative[place] = samples_.negative[last];
+        if (!samples_.closest.empty()) samples_.closest[place] = samples_.closest[last];
+    }
+    samples_.blocks.resize(block_count);
+    samples_.negative.resize(block_count);
+    if (!samples_.closest.empty()) samples_.closest.resize(block_count);
     return std::move(samples_);
 }
 
+std::size_t TileTransform::next_place() {
+    Run& run = runs_.local();
+    if (run.next == run.end) {
+        run.next = place_count_.fetch_add(blocks_per_run);
+        run.end = run.next + blocks_per_run;
+    }
+    return run.next++;
+}
+
 void TileTransform::add(const Index3& coordinate, const ScannedBlock& scanned) {
-    const std::size_t place = block_count_++;
+    const std::size_t place = next_place();
     FieldBlock& block = *std::construct_at(&samples_.blocks[place]);
     block.coordinate = coordinate;
     const SampleBits active = bits_of_rows(scanned.active);

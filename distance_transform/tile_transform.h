@@ -54,10 +54,19 @@ public:
         }
     }
 
-    /// All blocks so far.
+    /// All blocks.
     BandSamples take();
 
 private:
+    /// Places for blocks that one thread fills: when memory is new, threads wait for each other
+    /// where they write side by side.
+    struct Run {
+        std::size_t next = 0;
+        std::size_t end = 0;
+    };
+    static constexpr std::size_t blocks_per_run = 64;
+
+    std::size_t next_place();
     void add(const Index3& coordinate, const ScannedBlock& scanned);
     void find_closest(const FieldBlock& block, const ScannedBlock& scanned,
                       ClosestBlock& closest) const;
@@ -66,7 +75,8 @@ private:
     BandSigns signs_;
     double voxel_size_;
     BandSamples samples_;
-    std::atomic<std::size_t> block_count_ = 0;
+    std::atomic<std::size_t> place_count_ = 0; // of all runs
+    tbb::enumerable_thread_specific<Run> runs_;
     tbb::enumerable_thread_specific<TileMemory> memory_;
 };
 

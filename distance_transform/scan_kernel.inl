@@ -95,9 +95,10 @@ private:
         const Doubles along1 = seen.functions[1][1][lane];
         const Doubles along2 = seen.functions[2][1][lane];
         const Doubles along3 = seen.functions[3][1][lane];
-        const Doubles end = seen.length[lane] + tower_slack;
-        const Doubles normal_x = seen.normal_x[lane];
-        const Doubles normal_y = seen.normal_y[lane];
+        constexpr bool is_edge = kind == Kind::Edge;
+        const Doubles end = is_edge ? seen.length[lane] + tower_slack : 0;
+        const Doubles normal_x = is_edge ? seen.normal_x[lane] : 0;
+        const Doubles normal_y = is_edge ? seen.normal_y[lane] : 0;
         ColumnBatch batch;
         for (int first_column = 0; first_column < column_count; first_column += lanes) {
             for (unsigned rest = find_columns<kind>(seen, lane, first_column, batch); rest != 0;
@@ -119,7 +120,7 @@ private:
                                                   (steps * along2 + at2 <= slack) &
                                                   (steps * along3 + at3 <= slack);
                         offer(squares, numbers, at, is_over_face, c0 * c0, c0, site);
-                    } else if constexpr (kind == Kind::Edge) {
+                    } else if constexpr (is_edge) {
                         const Doubles c1 = steps * along1 + at1;
                         const Doubles along = steps * along2 + at2;
                         const auto is_beside = (Doubles(-tower_slack) <= along) & (along <= end);

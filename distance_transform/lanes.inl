@@ -188,19 +188,25 @@ ISOCAST_INLINE Lanes<float> negated(const Lanes<float>& a, unsigned which) {
     return result;
 }
 
-/// Exchanges lanes j with bit `s` set of rows without it for those of rows with it.
+template<int... j>
+struct Indices {};
+
+/// Exchanges lanes j with bit `s` set of `a` for those without it of `b`.
+template<int s, int... j>
+ISOCAST_INLINE void exchange(Lanes<double>::Native& a, Lanes<double>::Native& b, Indices<j...>) {
+    constexpr int n = sizeof...(j);
+    const auto first = __builtin_shufflevector(a, b, (j & s ? n + j - s : j)...);
+    b = __builtin_shufflevector(a, b, (j & s ? n + j : j + s)...);
+    a = first;
+}
 template<int s>
 ISOCAST_INLINE void exchange(Lanes<double>::Native& a, Lanes<double>::Native& b) {
-    constexpr int n = Lanes<double>::native_lanes;
-    Mask<double>::Native low;
-    Mask<double>::Native high;
-    for (int j = 0; j < n; ++j) {
-        low[j] = j & s ? n + j - s : j;
-        high[j] = j & s ? n + j : j + s;
-    }
-    const auto first = __builtin_shuffle(a, b, low);
-    b = __builtin_shuffle(a, b, high);
-    a = first;
+    if constexpr (Lanes<double>::native_lanes == 8)
+        exchange<s>(a, b, Indices<0, 1, 2, 3, 4, 5, 6, 7>());
+    else if constexpr (Lanes<double>::native_lanes == 4)
+        exchange<s>(a, b, Indices<0, 1, 2, 3>());
+    else
+        exchange<s>(a, b, Indices<0, 1>());
 }
 
 /// Lane j of row i becomes lane i of row j.

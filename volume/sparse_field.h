@@ -8,7 +8,7 @@
 #include <array>
 #include <bitset>
 #include <compare>
-#include <ranges>
+#include <iterator>
 
 namespace isocast {
 
@@ -56,6 +56,47 @@ IndexBox blocks_over(const IndexBox& box);
 /// The numbers of the blocks by z, then y, then x of their coordinates.
 std::vector<std::uint32_t> zyx_order(std::span<const FieldBlock> blocks);
 
+/// Blocks in an order other than that of memory.
+class OrderedBlocks {
+public:
+    class Iterator {
+    public:
+        using iterator_category = std::forward_iterator_tag;
+        using value_type = FieldBlock;
+        using difference_type = std::ptrdiff_t;
+        using pointer = const FieldBlock*;
+        using reference = const FieldBlock&;
+
+        Iterator() = default;
+        Iterator(const FieldBlock* blocks, const std::uint32_t* place)
+            : blocks_(blocks), place_(place) {}
+        reference operator*() const { return blocks_[*place_]; }
+        pointer operator->() const { return &**this; }
+        Iterator& operator++() {
+            ++place_;
+            return *this;
+        }
+        Iterator operator++(int) { return {blocks_, place_++}; }
+        bool operator==(const Iterator&) const = default;
+
+    private:
+        const FieldBlock* blocks_ = nullptr;
+        const std::uint32_t* place_ = nullptr;
+    };
+
+    OrderedBlocks(std::span<const FieldBlock> blocks, std::span<const std::uint32_t> order)
+        : blocks_(blocks), order_(order) {}
+    std::size_t size() const { return order_.size(); }
+    bool empty() const { return order_.empty(); }
+    const FieldBlock& operator[](std::size_t i) const { return blocks_[order_[i]]; }
+    Iterator begin() const { return {blocks_.data(), order_.data()}; }
+    Iterator end() const { return {blocks_.data(), order_.data() + order_.size()}; }
+
+private:
+    std::span<const FieldBlock> blocks_;
+    std::span<const std::uint32_t> order_;
+};
+
 class SparseField final : public FieldSource {
 public:
     /// blocks            in any order, each coordinate once, fewer than 2^32
@@ -77,11 +118,8 @@ public:
 
     double background_world() const { return background_world_; }
     Outside outside() const { return outside_; }
-    /// A range with random access, sorted by z, then y, then x of the coordinate.
-    auto blocks() const {
-        return std::views::transform(
-            order_, [this](std::uint32_t i) -> const FieldBlock& { return blocks_[i]; });
-    }
+    /// Sorted by z, then y, then x of the coordinate.
+    OrderedBlocks blocks() const { return {blocks_, order_}; }
     std::int64_t active_voxel_count() const;
 
 private:

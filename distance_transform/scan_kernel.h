@@ -15,6 +15,14 @@ constexpr int tile_of(int sample) {
     return sample >> 5;
 }
 
+/// A face's samples may lie this far outside its tower [voxels]: far above rounding, and of no
+/// consequence, since the distance to the plane there is wrong by 1e-18 over the distance.
+inline constexpr double tower_slack = 1e-9;
+
+/// The band's border is this much wider than asked [voxels], far above rounding: samples exactly on
+/// it are all active, and the neighbours of an inactive sample are surely not on the surface.
+inline constexpr double border_slack = 1e-9;
+
 /// Squared distances of a tile's samples in columns along one axis k, u and v being the axes after
 /// it: sample (k, u, v) is at k + stride_u * u + stride_v * v.
 struct TileColumns {

@@ -9,14 +9,6 @@
 
 namespace {
 
-/// A face's samples may lie this far outside its tower [voxels]: far above rounding, and of no
-/// consequence, since the distance to the plane there is wrong by 1e-18 over the distance.
-constexpr double tower_slack = 1e-9;
-
-/// The band's border is this much wider than asked [voxels], far above rounding: samples exactly on
-/// it are all active, and the neighbours of an inactive sample are surely not on the surface.
-constexpr double border_slack = 1e-9;
-
 ISOCAST_INLINE double squared_reach(double half_width) {
     return (half_width + border_slack) * (half_width + border_slack);
 }

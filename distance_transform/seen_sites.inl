@@ -30,8 +30,8 @@ struct SeenSites {
     double length[lanes];
     double normal_x[lanes];
     double normal_y[lanes];
-    /// The columns, v_count rows of `width` each, of which row v begins at the first whole number
-    /// from row_start - v * row_slope; those from u_first to u_last count.
+    /// The columns, column_count in rows of `width` each, of which row v begins at the first whole
+    /// number from row_start - v * row_slope; those from u_first to u_last count.
     double v_first[lanes];
     double width[lanes];
     double row_start[lanes];
@@ -59,7 +59,8 @@ struct SeenSites {
     /// low <= f <= high in the region.
     ISOCAST_INLINE void set_bound(int i, const SampleFunctions& f, const Doubles& low,
                                   const Doubles& high) {
-        // Nearly across the columns it would cut them far off.
+        // Nearly across the columns it would cut them far off: at 1e-3 a thirtieth of a voxel is the
+        // length of a tile.
         const auto is_told = Doubles(1e-3) < absolute(f.along.x);
         const Doubles zero = 0.0;
         const Doubles inverse = Doubles(1.0) / f.along.x;
@@ -119,7 +120,8 @@ struct SeenSites {
         const Doubles from = min((least - side) * by_u, (greatest + side) * by_u);
         const Doubles to = max((least - side) * by_u, (greatest + side) * by_u);
         const Doubles of_box = u_high - u_low + 1.0;
-        // Nearly along the rows the lines would cut them far off.
+        // Nearly along the rows the lines would cut them far off: at 0.02 a triangle of one voxel
+        // makes rows wider than the tile.
         const auto is_lean = (Doubles(0.02) < absolute(m_u)) & (to - from < of_box - 1.0);
         const Doubles row_width =
             select(is_lean, floor_of(min(to - from, tile_size)) + 1.0, of_box);

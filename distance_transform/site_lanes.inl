@@ -9,7 +9,7 @@ constexpr double least_overlap = 1e-6;
 /// What double leaves of coordinates that are up to 2^28 voxels from the anchor, and of sums.
 constexpr double coordinate_rounding = 1e-14;
 /// A bend over which the half width opens no further than this [voxels] needs no wedge or cone: the
-/// towers overlap by more (scan_kernel.inl, tower_slack).
+/// towers overlap by more (scan_kernel.h, tower_slack).
 constexpr double least_opening = 1e-10;
 /// Of two normals together [radians]; beyond it the edge's wedge is not told.
 constexpr double greatest_noise = 0.1;

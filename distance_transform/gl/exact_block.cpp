@@ -12,10 +12,8 @@ namespace isocast {
 
 namespace {
 
-// The slacks of scan_kernel.inl, whose bits these functions reproduce: the same sums in the same
-// order, which depends on the axis of the site's region.
-constexpr double tower_slack = 1e-9;
-constexpr double border_slack = 1e-9;
+// These functions reproduce the bits of scan_kernel.inl: the same sums in the same order, which
+// depends on the axis of the site's region.
 
 struct Offer {
     double square; // of the distance; infinite where the site offers none

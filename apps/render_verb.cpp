@@ -34,7 +34,6 @@ struct RenderCommand {
     Size size;
     CameraSpec camera;
     double iso_world = 0;
-    double rate = Quality{}.rate;
     std::optional<int> resolution; // of meshes
     gl::Backend backend = gl::Backend::Auto;
     std::optional<ExrLayers> layers;
@@ -70,14 +69,6 @@ gl::Backend offscreen_backend_from(std::string_view name) {
     if (name != "auto" && name != "egl" && name != "osmesa")
         throw UsageError(fmt::format("'{}' is not one of auto, egl, osmesa", name));
     return gl::backend_from_name(name);
-}
-
-double rate_from(std::string_view text) {
-    const double rate = number_from(text);
-    // 64: steps of 1/512 voxel near the surface, beyond what float32 positions resolve.
-    if (!(rate > 0 && rate <= 64))
-        throw UsageError(fmt::format("{} does not lie above 0 and up to 64", text));
-    return rate;
 }
 
 /// The last frame's report, with median pass times over all frames.
@@ -203,7 +194,6 @@ void run(const RenderCommand& command, const std::vector<std::filesystem::path>&
     std::optional<CheckedMesh> mesh;
     Scene scene;
     scene.iso_world = command.iso_world;
-    scene.quality.rate = command.rate;
     if (input.is_mesh())
         mesh = read_checked_mesh(input);
     else
@@ -275,8 +265,6 @@ Verb render_verb(CLI::App& program, std::vector<std::filesystem::path> shader_fo
         ->type_name("SPEC");
     add_parsed(*app, "--iso", command->iso_world, number_from, "Iso value (default 0)")
         ->type_name("V");
-    add_parsed(*app, "--rate", command->rate, rate_from, "Base samples per voxel (default 1)")
-        ->type_name("R");
     add_parsed(*app, "--resolution", command->resolution, integer_from,
                "Meshes: voxels along the longest side (default 256)")
         ->type_name("N");

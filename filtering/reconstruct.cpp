@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "filtering/reconstruct.h"
 
-#include "filtering/bspline.h"
-
 namespace isocast {
 
 namespace {
@@ -38,20 +36,20 @@ double convolve(const std::array<float, 64>& samples, const std::array<double, 4
 
 } // namespace
 
-double tricubic_value(const FieldSource& field, const Vec3d& p_index) {
+double kernel_value(const FieldSource& field, const Vec3d& p_index, Kernel kernel) {
     const auto [samples, a] = support_of(field, p_index);
-    return convolve(samples, bspline_weights(a.x()), bspline_weights(a.y()),
-                    bspline_weights(a.z()));
+    return convolve(samples, kernel_weights(kernel, a.x()), kernel_weights(kernel, a.y()),
+                    kernel_weights(kernel, a.z()));
 }
 
-Jet tricubic_jet(const FieldSource& field, const Vec3d& p_index) {
+Jet kernel_jet(const FieldSource& field, const Vec3d& p_index, Kernel kernel) {
     const auto [samples, a] = support_of(field, p_index);
     // weights[axis][order]: each derivative takes the derived weights along its axes.
     std::array<std::array<std::array<double, 4>, 3>, 3> weights;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const double fraction = a[static_cast<int>(axis)];
-        weights[axis] = {bspline_weights(fraction), bspline_weights_d1(fraction),
-                         bspline_weights_d2(fraction)};
+        weights[axis] = {kernel_weights(kernel, fraction), kernel_weights_d1(kernel, fraction),
+                         kernel_weights_d2(kernel, fraction)};
     }
     const auto derivative = [&, &samples = samples](const Index3& order) {
         const auto along = [&](std::size_t axis) {
@@ -68,6 +66,14 @@ Jet tricubic_jet(const FieldSource& field, const Vec3d& p_index) {
         }
     }
     return jet;
+}
+
+double tricubic_value(const FieldSource& field, const Vec3d& p_index) {
+    return kernel_value(field, p_index, Kernel::BSpline);
+}
+
+Jet tricubic_jet(const FieldSource& field, const Vec3d& p_index) {
+    return kernel_jet(field, p_index, Kernel::BSpline);
 }
 
 } // namespace isocast

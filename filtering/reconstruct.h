@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
+#include "filtering/bspline.h"
 #include "volume/analytic_fields.h"
 #include "volume/field_source.h"
 
@@ -20,5 +21,10 @@ double tricubic_value(const FieldSource& field, const Vec3d& p_index);
 /// source  thesis section 5.3
 /// twin    shaders/filtering/tricubic.glsl: tricubic_gradient()
 Jet tricubic_jet(const FieldSource& field, const Vec3d& p_index);
+
+/// The same with any kernel. Where a derivative jumps from cell to cell (the first of Linear, the
+/// second of Catmull-Rom) it is that of the cell above.
+double kernel_value(const FieldSource& field, const Vec3d& p_index, Kernel kernel);
+Jet kernel_jet(const FieldSource& field, const Vec3d& p_index, Kernel kernel);
 
 } // namespace isocast

@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <glad/gl.h>
 
+#include <sys/mman.h>
+
 #include <algorithm>
 #include <cassert>
 
@@ -26,10 +28,26 @@ struct FormatInfo {
 
 FormatInfo info(Format format) {
     switch (format) {
+    case Format::R16:
+        return {GL_R16, GL_RED, 1, 2};
+    case Format::R16f:
+        return {GL_R16F, GL_RED, 1, 2};
     case Format::R32f:
         return {GL_R32F, GL_RED, 1, 4};
+    case Format::R32i:
+        return {GL_R32I, GL_RED_INTEGER, 1, 4};
+    case Format::R32ui:
+        return {GL_R32UI, GL_RED_INTEGER, 1, 4};
+    case Format::Rg32i:
+        return {GL_RG32I, GL_RG_INTEGER, 2, 8};
+    case Format::Rgba16:
+        return {GL_RGBA16, GL_RGBA, 4, 8};
     case Format::Rgba32f:
         return {GL_RGBA32F, GL_RGBA, 4, 16};
+    case Format::Rgba32i:
+        return {GL_RGBA32I, GL_RGBA_INTEGER, 4, 16};
+    case Format::Rgba32ui:
+        return {GL_RGBA32UI, GL_RGBA_INTEGER, 4, 16};
     case Format::Rgba16f:
         return {GL_RGBA16F, GL_RGBA, 4, 8};
     case Format::Rgba8:
@@ -43,6 +61,18 @@ void throw_if_out_of_memory(std::int64_t bytes, std::string_view label) {
     if (glGetError() == GL_OUT_OF_MEMORY)
         throw GlError(
             fmt::format("no memory for {} MiB of '{}' on the GL side", bytes >> 20, label));
+}
+
+/// Asks for pages of 2 MiB where the GL's memory is the process's own, as that of software
+/// rasterisers is: a first touch of 4 KiB costs microseconds, and so does a miss of the TLB. Where
+/// it is a device's, the kernel refuses.
+void use_huge_pages(void* memory, std::int64_t byte_count) {
+    constexpr std::uintptr_t huge = std::uintptr_t{1} << 21;
+    const auto begin = (reinterpret_cast<std::uintptr_t>(memory) + huge - 1) & ~(huge - 1);
+    const auto end =
+        (reinterpret_cast<std::uintptr_t>(memory) + static_cast<std::uintptr_t>(byte_count)) &
+        ~(huge - 1);
+    if (begin < end) madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
 }
 
 } // namespace
@@ -76,6 +106,50 @@ Buffer::Buffer(std::span<const std::byte> data, std::string_view label)
     glNamedBufferStorage(id, std::max<GLsizeiptr>(1, static_cast<GLsizeiptr>(data.size())),
                          data.empty() ? nullptr : data.data(), 0);
     throw_if_out_of_memory(byte_count_, label);
+}
+
+Buffer Buffer::writable(std::int64_t byte_count, std::string_view label) {
+    Buffer buffer;
+    buffer.byte_count_ = std::max<std::int64_t>(1, byte_count); // GL refuses buffers of no bytes
+    unsigned id = 0;
+    glCreateBuffers(1, &id);
+    buffer.handle_ = Handle<delete_buffer>(id);
+    set_label(GL_BUFFER, id, label);
+    glNamedBufferStorage(id, buffer.byte_count_, nullptr, GL_MAP_WRITE_BIT);
+    throw_if_out_of_memory(buffer.byte_count_, label);
+    return buffer;
+}
+
+void Buffer::write(std::int64_t offset, std::int64_t byte_count,
+                   const std::function<void(std::span<std::byte>)>& write) {
+    if (byte_count == 0) return;
+    void* memory = glMapNamedBufferRange(id(), offset, byte_count,
+                                         GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_RANGE_BIT);
+    if (!memory)
+        throw GlError(fmt::format("cannot map {} MiB of a buffer", byte_count >> 20));
+    struct Unmap {
+        unsigned id;
+        ~Unmap() { glUnmapNamedBuffer(id); }
+    };
+    const Unmap unmap{id()};
+    use_huge_pages(memory, byte_count);
+    write({static_cast<std::byte*>(memory), static_cast<std::size_t>(byte_count)});
+}
+
+BufferTexture::BufferTexture(const Buffer& buffer, Format format, std::string_view label) {
+    const std::int64_t texels = buffer.byte_count() / info(format).bytes;
+    if (texels > max_buffer_texels())
+        throw GlError(fmt::format("'{}' has {} texels; a buffer texture holds {}", label, texels,
+                                  max_buffer_texels()));
+    unsigned id = 0;
+    glCreateTextures(GL_TEXTURE_BUFFER, 1, &id);
+    handle_ = Handle<delete_texture>(id);
+    set_label(GL_TEXTURE, id, label);
+    glTextureBuffer(id, info(format).internal, buffer.id());
+}
+
+void BufferTexture::bind_to_unit(unsigned unit) const {
+    glBindTextureUnit(unit, handle_.id());
 }
 
 int byte_count(Format format) {
@@ -231,6 +305,12 @@ DebugGroup::DebugGroup(std::string_view label) {
 }
 DebugGroup::~DebugGroup() {
     glPopDebugGroup();
+}
+
+std::int64_t max_buffer_texels() {
+    GLint64 texels = 0;
+    glGetInteger64v(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
+    return texels;
 }
 
 int max_volume_extent() {

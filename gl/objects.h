@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <initializer_list>
 #include <span>
 #include <string_view>
@@ -39,24 +40,44 @@ private:
     unsigned id_ = 0;
 };
 
-/// An immutable buffer.
+/// A buffer: of given contents for good, or of a size, to be written by pieces.
 class Buffer {
 public:
     Buffer() = default;
     Buffer(std::span<const std::byte> data, std::string_view label);
+    /// Contents are undefined until written.
+    /// throws  GlError if the GL has no memory for it
+    static Buffer writable(std::int64_t byte_count, std::string_view label);
     unsigned id() const { return handle_.id(); }
     std::int64_t byte_count() const { return byte_count_; }
+
+    /// Hands `write` the memory of a range to fill, by any thread, and gives it back to the GL.
+    /// Earlier contents of the range are lost. Writable buffers only.
+    void write(std::int64_t offset, std::int64_t byte_count,
+               const std::function<void(std::span<std::byte>)>& write);
 
 private:
     Handle<delete_buffer> handle_;
     std::int64_t byte_count_ = 0;
 };
 
-/// Formats that we use; all are renderable.
-enum class Format { R32f, Rgba32f, Rgba16f, Rgba8 };
+/// Formats that we use.
+enum class Format { R16, R16f, R32f, R32i, R32ui, Rg32i, Rgba16, Rgba16f, Rgba32f, Rgba32i, Rgba32ui, Rgba8 };
 
 /// Bytes of one texel.
 int byte_count(Format format);
+
+/// A buffer that shaders read as an array of texels.
+class BufferTexture {
+public:
+    BufferTexture() = default;
+    /// throws  GlError if it has more texels than max_buffer_texels
+    BufferTexture(const Buffer& buffer, Format format, std::string_view label);
+    void bind_to_unit(unsigned unit) const;
+
+private:
+    Handle<delete_texture> handle_;
+};
 
 enum class Filter { Nearest, Linear };
 
@@ -141,6 +162,8 @@ public:
     DebugGroup& operator=(const DebugGroup&) = delete;
 };
 
+/// Greatest number of texels of a buffer texture.
+std::int64_t max_buffer_texels();
 /// Greatest extent of a 3D texture along each axis.
 int max_volume_extent();
 /// Greatest extent of a 2D texture and of a viewport.

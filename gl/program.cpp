@@ -110,6 +110,9 @@ void Program::set(const char* uniform, float value) const {
 void Program::set(const char* uniform, const Eigen::Vector2f& value) const {
     glProgramUniform2fv(handle_.id(), location(uniform), 1, value.data());
 }
+void Program::set(const char* uniform, const Eigen::Vector2i& value) const {
+    glProgramUniform2iv(handle_.id(), location(uniform), 1, value.data());
+}
 void Program::set(const char* uniform, const Eigen::Vector3f& value) const {
     glProgramUniform3fv(handle_.id(), location(uniform), 1, value.data());
 }

@@ -35,6 +35,7 @@ public:
     void set(const char* uniform, int value) const;
     void set(const char* uniform, float value) const;
     void set(const char* uniform, const Eigen::Vector2f& value) const;
+    void set(const char* uniform, const Eigen::Vector2i& value) const;
     void set(const char* uniform, const Eigen::Vector3f& value) const;
     void set(const char* uniform, const Eigen::Vector4f& value) const;
     void set(const char* uniform, const Eigen::Vector3i& value) const;

@@ -3,7 +3,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
-#include "volume/blocks.h"
+#include "filtering/blocks.h"
 
 #include <Eigen/Core>
 

@@ -12,14 +12,12 @@ namespace isocast {
 
 namespace {
 
-const gl::ProgramKey bounds_program{{"raycast/bounds.vert", "raycast/bounds.frag"}, {}};
-const gl::ProgramKey raycast_program{{"common/fullscreen.vert", "raycast/raycast.frag"}, {}};
-const gl::ProgramKey gradient_program{{"common/fullscreen.vert", "raycast/gradient.frag"}, {}};
 const gl::ProgramKey blinn_phong_program{
-    {"common/fullscreen.vert", "shading/blinn_phong/blinn_phong.frag"}, {}};
+    {"common/tiles.vert", "shading/blinn_phong/blinn_phong.frag"}, {}};
 
-// 1e30: beyond any parameter of a ray; shaders/raycast/bounds.glsl has the same number.
-constexpr float no_bound = 1e30f;
+gl::ProgramKey field_program(const char* fragment_shader, const BrickPool& pool) {
+    return {{"common/tiles.vert", fragment_shader}, pool.defines()};
+}
 
 /// Columns (constant, d/dx, d/dy) of the affine map from gl_FragCoord to view space at `depth` in
 /// front of the eye; gl_FragCoord has its origin at the bottom left.
@@ -45,36 +43,10 @@ Mat3d view_vector_coefficients(const Camera& camera, int width, int height, doub
     return columns;
 }
 
-/// Clip space from local index coordinates; the depth is not used.
-Eigen::Matrix4d clip_from_local(const Camera& camera, int width, int height, const GridSpace& space,
-                                const Index3& local_origin_index) {
-    const Mat3d rotation = camera.view_from_world_rotation();
-    const Mat3d linear = rotation * space.world_from_index.linear();
-    const Vec3d offset =
-        rotation * (space.to_world(local_origin_index.cast<double>()) - camera.eye_world);
-    Eigen::Matrix4d view_from_local = Eigen::Matrix4d::Identity();
-    view_from_local.topLeftCorner<3, 3>() = linear;
-    view_from_local.topRightCorner<3, 1>() = offset;
-
-    const double aspect = double(width) / height;
-    Eigen::Matrix4d clip_from_view = Eigen::Matrix4d::Zero();
-    if (camera.projection == Projection::Perspective) {
-        const double tan_y = std::tan(camera.fov_y_degrees * std::numbers::pi / 360);
-        clip_from_view(0, 0) = 1 / (tan_y * aspect);
-        clip_from_view(1, 1) = 1 / tan_y;
-        clip_from_view(3, 2) = -1;
-    } else {
-        clip_from_view(0, 0) = 2 / (camera.height_world * aspect);
-        clip_from_view(1, 1) = 2 / camera.height_world;
-        clip_from_view(3, 3) = 1;
-    }
-    return clip_from_view * view_from_local;
-}
-
 RayCoefficients set_ray_uniforms(const gl::Program& program, const FrameContext& frame) {
     const RayCoefficients ray =
         ray_coefficients(frame.camera, frame.width, frame.height, frame.scene.field->space(),
-                         frame.field.atlas.local_origin_index());
+                         frame.field.local_origin_index());
     program.set("u_ray_point", Eigen::Matrix3f(ray.point.cast<float>()));
     program.set("u_ray_vector", Eigen::Matrix3f(ray.vector.cast<float>()));
     return ray;
@@ -86,72 +58,65 @@ void set_fixed_state() {
     glDisable(GL_BLEND);
 }
 
-void draw_fullscreen(const FrameContext& frame, const gl::Program& program) {
+/// Runs the program on every pixel that can show something; the others hold `empty`.
+void draw_tiles(const FrameContext& frame, FrameImage image, const gl::Program& program,
+                const Eigen::Vector4f& empty) {
+    frame.targets.framebuffer(image).bind();
+    glClearBufferfv(GL_COLOR, 0, empty.data());
     set_fixed_state();
     frame.no_vertices.bind();
+    frame.tiles.runs_texture.bind_to_unit(7);
+    program.set("u_clip_from_tile", Eigen::Vector2f(2.0F * tile_size / float(frame.width),
+                                                    2.0F * tile_size / float(frame.height)));
     program.use();
-    glDrawArrays(GL_TRIANGLES, 0, 3);
-}
-
-void run_bounds(FrameContext& frame) {
-    frame.targets.framebuffer(FrameImage::Bounds).bind();
-    const float clear[4] = {no_bound, no_bound, no_bound, 0};
-    glClearBufferfv(GL_COLOR, 0, clear);
-    const gl::Program& program = frame.shaders.program(bounds_program);
-    set_ray_uniforms(program, frame);
-    program.set("u_clip_from_local",
-                Eigen::Matrix4f(clip_from_local(frame.camera, frame.width, frame.height,
-                                                frame.scene.field->space(),
-                                                frame.field.atlas.local_origin_index())
-                                    .cast<float>()));
-    set_fixed_state();
-    glEnable(GL_BLEND);
-    glBlendEquation(GL_MIN);
-    frame.field.faces.bind();
-    program.use();
-    glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, frame.field.face_count);
+    glDrawArrays(GL_TRIANGLES, 0, 6 * frame.tiles.run_count);
 }
 
 void run_raycast(FrameContext& frame) {
-    frame.targets.framebuffer(FrameImage::Hit).bind();
-    const gl::Program& program = frame.shaders.program(raycast_program);
-    const GridSpace& space = frame.scene.field->space();
-    const Quality& quality = frame.scene.quality;
+    const gl::Program& program =
+        frame.shaders.program(field_program("raycast/raycast.frag", frame.field.pool()));
+    const FieldSource& field = *frame.scene.field;
     const RayCoefficients ray = set_ray_uniforms(program, frame);
-    frame.field.atlas.bind(program);
-    frame.targets.texture(FrameImage::Bounds).bind_to_unit(2);
+    frame.field.bind(program);
     program.set("u_ray_from_eye", Eigen::Matrix3f(ray.from_eye.cast<float>()));
-    program.set("u_fine_step", float(1 / (quality.rate * quality.rate_factor)));
-    program.set("u_fine_per_coarse", quality.rate_factor);
-    // A field whose slope is at most L [world/voxel] has no root within a coarse step of a sample
-    // that is farther from iso than L steps. Distances have slope one in the world, hence at most
-    // the grid's greatest stretch in index space; other fields give their own bound.
-    const double slope = frame.scene.field->half_width_world()
-                             ? space.world_from_index.linear().operatorNorm()
-                             : double(frame.field.atlas.greatest_slope());
-    program.set("u_near_threshold", float(slope / quality.rate));
-    program.set("u_refinement_steps", quality.refinement_steps);
+    // A field with a band goes on beyond its extent as background; one without ends there.
+    constexpr float nowhere = 1e9F; // beyond any table
+    const auto local = [&](const Index3& index) {
+        return Eigen::Vector3f((index - frame.field.local_origin_index()).cast<float>());
+    };
+    const bool has_band = field.half_width_world().has_value();
+    program.set("u_extent_lo", has_band ? Eigen::Vector3f(Eigen::Vector3f::Constant(-nowhere))
+                                        : local(field.extent().lo));
+    program.set("u_extent_hi", has_band ? Eigen::Vector3f(Eigen::Vector3f::Constant(nowhere))
+                                        : local((field.extent().hi.array() - 1).matrix()));
+    frame.tiles.lists_texture.bind_to_unit(3);
+    frame.tiles.blocks_texture.bind_to_unit(4);
+    program.set("u_tile_columns", frame.tiles.columns);
+    program.set("u_guarantee", static_cast<float>(frame.scene.quality.guarantee_voxels));
+    // 2^-20: sixteen roundings of a sum of 64 products, each of at most the greatest value.
+    program.set("u_value_error", 0x1p-20F * frame.field.pool().greatest_value() /
+                                     frame.field.pool().world_from_stored());
     program.set("u_world_from_index",
-                Eigen::Matrix3f(space.world_from_index.linear().cast<float>()));
-    draw_fullscreen(frame, program);
+                Eigen::Matrix3f(field.space().world_from_index.linear().cast<float>()));
+    draw_tiles(frame, FrameImage::Hit, program, Eigen::Vector4f::Zero());
 }
 
 void run_gradient(FrameContext& frame) {
-    frame.targets.framebuffer(FrameImage::Gradient).bind();
-    const gl::Program& program = frame.shaders.program(gradient_program);
-    frame.field.atlas.bind(program);
-    frame.targets.texture(FrameImage::Hit).bind_to_unit(2);
+    const gl::Program& program =
+        frame.shaders.program(field_program("raycast/gradient.frag", frame.field.pool()));
+    frame.field.bind(program);
+    frame.targets.texture(FrameImage::Hit).bind_to_unit(3);
     const GridSpace& space = frame.scene.field->space();
-    const Vec3d eye_local = space.to_index(frame.camera.eye_world) -
-                            frame.field.atlas.local_origin_index().cast<double>();
+    const Vec3d eye_local =
+        space.to_index(frame.camera.eye_world) - frame.field.local_origin_index().cast<double>();
     program.set("u_index_from_world",
                 Eigen::Matrix3f(space.world_from_index.linear().inverse().cast<float>()));
+    program.set("u_world_from_stored", frame.field.pool().world_from_stored());
     program.set("u_eye_local", Eigen::Vector3f(eye_local.cast<float>()));
-    draw_fullscreen(frame, program);
+    draw_tiles(frame, FrameImage::Gradient, program, Eigen::Vector4f::Zero());
 }
 
 void run_shading(FrameContext& frame) {
-    frame.targets.framebuffer(FrameImage::Beauty).bind();
     const gl::Program& program = frame.shaders.program(blinn_phong_program);
     frame.targets.texture(FrameImage::Hit).bind_to_unit(0);
     frame.targets.texture(FrameImage::Gradient).bind_to_unit(1);
@@ -170,10 +135,43 @@ void run_shading(FrameContext& frame) {
     program.set("u_material", Eigen::Vector4f(float(material.ambient), float(material.diffuse),
                                               float(material.specular), float(material.shininess)));
     program.set("u_background", Eigen::Vector3f(frame.scene.background.cast<float>()));
-    draw_fullscreen(frame, program);
+    Eigen::Vector4f background = Eigen::Vector4f::Zero();
+    background.head<3>() = frame.scene.background.cast<float>();
+    draw_tiles(frame, FrameImage::Beauty, program, background);
 }
 
 } // namespace
+
+TilesOnGpu::TilesOnGpu(const TileLists& tiles)
+    : columns(tiles.width), lists(std::as_bytes(std::span(tiles.lists)), "tiles"),
+      lists_texture(lists, gl::Format::Rg32i, "tiles"),
+      blocks(std::as_bytes(std::span(tiles.blocks)), "blocks of tiles"),
+      blocks_texture(blocks, gl::Format::R32i, "blocks of tiles") {
+    const std::vector<Eigen::Vector4i> tile_runs = tiles.runs();
+    run_count = static_cast<int>(tile_runs.size());
+    runs = gl::Buffer(std::as_bytes(std::span(tile_runs)), "tile runs");
+    runs_texture = gl::BufferTexture(runs, gl::Format::Rgba32i, "tile runs");
+}
+
+FieldOnGpu::FieldOnGpu(const FieldSource& samples, const FieldSource& control, Kernel kernel,
+                       const BlockRanges& ranges, const std::vector<ActivePage>& active, float iso,
+                       const StorageOptions& storage, const Progress& progress) {
+    const BlockTable table = make_block_table(samples, ranges, active, iso);
+    local_origin_index_ = page_size * (table.first_page + table.pages / 2);
+    table_lo_ = table.lo_index() - local_origin_index_;
+    table_pages_ = table.pages;
+    block_count_ = table.block_count;
+    table_ = gl::Buffer(std::as_bytes(std::span(table.words)), "block table");
+    table_texture_ = gl::BufferTexture(table_, gl::Format::R32ui, "block table");
+    pool_ = BrickPool(control, kernel, ranges, active, table, iso, storage, progress);
+}
+
+void FieldOnGpu::bind(const gl::Program& program) const {
+    table_texture_.bind_to_unit(0);
+    program.set("u_table_pages", Eigen::Vector3i(table_pages_));
+    program.set("u_table_lo", Eigen::Vector3f(table_lo_.cast<float>()));
+    pool_.bind();
+}
 
 RayCoefficients ray_coefficients(const Camera& camera, int width, int height,
                                  const GridSpace& space, const Index3& local_origin_index) {
@@ -195,8 +193,7 @@ RayCoefficients ray_coefficients(const Camera& camera, int width, int height,
 
 std::vector<Pass> declare_passes(FrameContext& frame) {
     return {
-        {"bounds", {}, FrameImage::Bounds, [&frame] { run_bounds(frame); }},
-        {"raycast", {FrameImage::Bounds}, FrameImage::Hit, [&frame] { run_raycast(frame); }},
+        {"raycast", {}, FrameImage::Hit, [&frame] { run_raycast(frame); }},
         {"gradient", {FrameImage::Hit}, FrameImage::Gradient, [&frame] { run_gradient(frame); }},
         {"shading",
          {FrameImage::Hit, FrameImage::Gradient},
@@ -206,7 +203,8 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
 }
 
 std::vector<gl::ProgramKey> all_programs() {
-    return {bounds_program, raycast_program, gradient_program, blinn_phong_program};
+    std::vector<gl::ProgramKey> keys{blinn_phong_program};
+    return keys;
 }
 
 gl::Format format_of(FrameImage image) {

@@ -3,20 +3,42 @@
 #pragma once
 
 #include "gl/program.h"
-#include "raycaster/brick_atlas.h"
+#include "raycaster/brick_pool.h"
 #include "raycaster/frame_plan.h"
 #include "raycaster/scene.h"
+#include "raycaster/tile_lists.h"
 
 #include <array>
 
 namespace isocast {
 
 /// A scene's field on the GPU.
-struct FieldOnGpu {
-    BrickAtlas atlas;
-    gl::Buffer face_records;
-    gl::VertexArray faces;
-    int face_count = 0;
+class FieldOnGpu {
+public:
+    FieldOnGpu() = default;
+    /// throws  ResourceError if it does not fit
+    FieldOnGpu(const FieldSource& samples, const FieldSource& control, Kernel kernel,
+               const BlockRanges& ranges, const std::vector<ActivePage>& active, float iso,
+               const StorageOptions& storage, const Progress& progress);
+
+    /// Local coordinates are index coordinates minus this, a corner of a page near the middle of
+    /// the active ones, so that float coordinates stay small.
+    const Index3& local_origin_index() const { return local_origin_index_; }
+    const BrickPool& pool() const { return pool_; }
+    std::int64_t byte_count() const { return table_.byte_count() + pool_.byte_count(); }
+    int block_count() const { return block_count_; }
+
+    /// Binds the textures and sets the uniforms of shaders/raycast/blocks.glsl.
+    void bind(const gl::Program& program) const;
+
+private:
+    Index3 local_origin_index_ = Index3::Zero();
+    Index3 table_lo_ = Index3::Zero();
+    Index3 table_pages_ = Index3::Ones();
+    int block_count_ = 0;
+    gl::Buffer table_;
+    gl::BufferTexture table_texture_;
+    BrickPool pool_;
 };
 
 /// The images of a frame; only those that a live pass writes exist.
@@ -30,12 +52,27 @@ struct FrameTargets {
     }
 };
 
+/// The tiles of a picture that can show the field, and their blocks, on the GPU.
+struct TilesOnGpu {
+    explicit TilesOnGpu(const TileLists& tiles);
+
+    int columns;
+    int run_count;
+    gl::Buffer runs;
+    gl::BufferTexture runs_texture;
+    gl::Buffer lists;
+    gl::BufferTexture lists_texture;
+    gl::Buffer blocks;
+    gl::BufferTexture blocks_texture;
+};
+
 /// What every pass of a frame sees.
 struct FrameContext {
     gl::ShaderLibrary& shaders;
     const gl::VertexArray& no_vertices;
     const Scene& scene;
     const FieldOnGpu& field;
+    const TilesOnGpu& tiles;
     const Camera& camera;
     int width;
     int height;

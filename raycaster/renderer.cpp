@@ -21,15 +21,14 @@ Renderer::Renderer(gl::Context& context, const std::filesystem::path& shader_fol
 void Renderer::load(Scene scene, const Progress& progress) {
     if (!scene.field) throw InputError("the scene has no field");
     const float iso = static_cast<float>(scene.iso_world);
-    const ActiveBlocks blocks = find_active_blocks(*scene.field, iso, progress);
     // The old field goes first, so that both are never in memory.
     field_ = {};
-    field_.atlas = BrickAtlas(*scene.field, iso, blocks, progress);
-    const auto faces = bounding_faces(blocks, field_.atlas.local_origin_index());
-    field_.face_count = static_cast<int>(faces.size());
-    field_.face_records = gl::Buffer(std::as_bytes(std::span(faces)), "bounding faces");
-    field_.faces = gl::VertexArray::instanced_ivec4(field_.face_records, "bounding faces");
-    surface_box_ = blocks.surface_box;
+    const auto control = control_samples(scene.field, scene.filter, progress);
+    ranges_ = find_block_ranges(*control, kernel_of(scene.filter), progress);
+    active_ = active_pages(ranges_, iso);
+    field_ = FieldOnGpu(*scene.field, *control, kernel_of(scene.filter), ranges_, active_, iso,
+                        scene.storage, progress);
+    surface_box_ = find_surface_box(*control, ranges_, active_, iso);
     scene_ = std::move(scene);
     context_.throw_pending_error();
 }
@@ -49,7 +48,10 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
     if (width < 1 || height < 1 || width > limit || height > limit)
         throw InputError(fmt::format("picture size {}x{}: each side must lie between 1 and {}",
                                      width, height, limit));
-    FrameContext frame{shaders_, no_vertices_, scene_, field_, camera, width, height, targets_};
+    const TilesOnGpu tiles(
+        list_blocks(ranges_, active_, scene_.field->space(), camera, width, height));
+    FrameContext frame{shaders_, no_vertices_, scene_, field_,  tiles,
+                       camera,   width,        height, targets_};
     const std::vector<Pass> declared = declare_passes(frame);
     const std::vector<Pass> live = live_passes(declared, wanted);
 
@@ -85,7 +87,7 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
     for (PassReport& pass : report.passes)
         if (pass.ran) pass.milliseconds = timers.at(pass.name).milliseconds();
     report.programs_compiled = shaders_.compiled_program_count();
-    report.field_bytes = field_.atlas.byte_count() + field_.face_records.byte_count();
+    report.field_bytes = field_.byte_count();
     return report;
 }
 

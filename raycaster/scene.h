@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
+#include "raycaster/brick_pool.h"
 #include "raycaster/camera.h"
 #include "volume/field_source.h"
 
@@ -25,16 +26,16 @@ struct Light {
     Vec3d colour = Vec3d(1, 1, 1);
 };
 
-/// How rays search (thesis section 6.3.3).
+/// How rays search.
 struct Quality {
-    double rate = 1;          // base samples per voxel, r0
-    int rate_factor = 8;      // near the surface r1 = rate_factor * r0
-    int refinement_steps = 4; // section 6.3.4
+    double guarantee_voxels = 0.01; // the longest stretch inside the object that a ray may miss
 };
 
 struct Scene {
     std::shared_ptr<const FieldSource> field;
     double iso_world = 0;
+    Filter filter = Filter::Interpolating;
+    StorageOptions storage;
     Material material;
     Light light;
     Vec3d background = Vec3d(0.93, 0.94, 0.95);

@@ -1,41 +1,73 @@
-// Tricubic B-spline value and gradient from a texture with linear filtering: 8 fetches each
-// (thesis eqs 5.5-5.7, section 5.3).
+// Value, slope and gradient of the reconstructed field at a point of a stored cell.
 // SPDX-License-Identifier: MPL-2.0
+// source    thesis eq. 5.1 and section 5.3
 // twin      filtering/reconstruct.cpp
-// accuracy  tests/shaders: Tricubic.ValueAgreesWithTheDoubleTwin
+// accuracy  tests/shaders: Tricubic.*
 #include "filtering/bspline.glsl"
 
-// Sum of 8 linear fetches. `corner` is the texel index of sample i, `scale` 1 / texture size.
-float eight_fetches(sampler3D samples, vec3 scale, vec3 corner, LinearPair x, LinearPair y,
-                    LinearPair z) {
-    // Sample i has its texel centre at i + 1/2.
-    vec3 lo = (corner + 0.5 + vec3(x.offset.x, y.offset.x, z.offset.x)) * scale;
-    vec3 hi = (corner + 0.5 + vec3(x.offset.y, y.offset.y, z.offset.y)) * scale;
-    float v00 = x.weight.x * textureLod(samples, vec3(lo.x, lo.y, lo.z), 0.0).r +
-                x.weight.y * textureLod(samples, vec3(hi.x, lo.y, lo.z), 0.0).r;
-    float v10 = x.weight.x * textureLod(samples, vec3(lo.x, hi.y, lo.z), 0.0).r +
-                x.weight.y * textureLod(samples, vec3(hi.x, hi.y, lo.z), 0.0).r;
-    float v01 = x.weight.x * textureLod(samples, vec3(lo.x, lo.y, hi.z), 0.0).r +
-                x.weight.y * textureLod(samples, vec3(hi.x, lo.y, hi.z), 0.0).r;
-    float v11 = x.weight.x * textureLod(samples, vec3(lo.x, hi.y, hi.z), 0.0).r +
-                x.weight.y * textureLod(samples, vec3(hi.x, hi.y, hi.z), 0.0).r;
-    return z.weight.x * (y.weight.x * v00 + y.weight.y * v10) +
-           z.weight.y * (y.weight.x * v01 + y.weight.y * v11);
+// FETCH 0, rows: a texel holds the four samples i-1 ... i+2 of its cell along x; 16 fetches.
+// FETCH 1, samples: a texel holds one sample; 64 fetches, a quarter of the memory.
+layout(binding = 1) uniform samplerBuffer t_samples;
+// ROW_STRIDE, PLANE_STRIDE: texels from a row to the next along y and along z. Values are in units of
+// the stored samples, which are world units times a power of two; SAMPLE_ZERO is what stands for 0.
+
+// The samples i-1 ... i+2 along x, from the address of sample i-1.
+vec4 row_of_four(int address) {
+#if FETCH == 0
+    return texelFetch(t_samples, address);
+#elif FETCH == 1
+    return vec4(texelFetch(t_samples, address).r, texelFetch(t_samples, address + 1).r,
+                texelFetch(t_samples, address + 2).r, texelFetch(t_samples, address + 3).r);
+#else
+#error unknown FETCH
+#endif
 }
 
-// Value at corner + a, 0 <= a <= 1.
-float tricubic_value(sampler3D samples, vec3 scale, vec3 corner, vec3 a) {
-    return eight_fetches(samples, scale, corner, linear_pair(bspline_weights(a.x)),
-                         linear_pair(bspline_weights(a.y)), linear_pair(bspline_weights(a.z)));
+// Value minus iso, and its derivative along d [1/cell], in stored units.
+//
+// address  of the sample (i-1, j-1, k-1), where (i, j, k) is the cell
+// a        where the point lies in the cell, in [0, 1]
+vec2 tricubic_value_and_slope(int address, vec3 a, vec3 d) {
+    vec4 wx = kernel_weights(a.x);
+    vec4 wy = kernel_weights(a.y);
+    vec4 wz = kernel_weights(a.z);
+    vec4 dx = d.x * kernel_weights_d1(a.x);
+    vec4 dy = d.y * kernel_weights_d1(a.y);
+    vec4 dz = d.z * kernel_weights_d1(a.z);
+    float value = 0.0;
+    float slope = 0.0;
+    for (int k = first_row; k < last_row; ++k) {
+        float plane_value = 0.0;
+        float plane_slope = 0.0;
+        for (int j = first_row; j < last_row; ++j) {
+            vec4 row = row_of_four(address + j * ROW_STRIDE + k * PLANE_STRIDE);
+            float along_x = dot(wx, row);
+            plane_value += wy[j] * along_x;
+            plane_slope += wy[j] * dot(dx, row) + dy[j] * along_x;
+        }
+        value += wz[k] * plane_value;
+        slope += wz[k] * plane_slope + dz[k] * plane_value;
+    }
+    return vec2(value - SAMPLE_ZERO, slope);
 }
 
-// Gradient at corner + a [1/voxel].
-vec3 tricubic_gradient(sampler3D samples, vec3 scale, vec3 corner, vec3 a) {
-    LinearPair x = linear_pair(bspline_weights(a.x));
-    LinearPair y = linear_pair(bspline_weights(a.y));
-    LinearPair z = linear_pair(bspline_weights(a.z));
-    return vec3(
-        eight_fetches(samples, scale, corner, linear_pair(bspline_weights_d1(a.x)), y, z),
-        eight_fetches(samples, scale, corner, x, linear_pair(bspline_weights_d1(a.y)), z),
-        eight_fetches(samples, scale, corner, x, y, linear_pair(bspline_weights_d1(a.z))));
+// Gradient [stored units/cell].
+vec3 tricubic_gradient(int address, vec3 a) {
+    vec4 wx = kernel_weights(a.x);
+    vec4 wy = kernel_weights(a.y);
+    vec4 wz = kernel_weights(a.z);
+    vec4 dx = kernel_weights_d1(a.x);
+    vec4 dy = kernel_weights_d1(a.y);
+    vec4 dz = kernel_weights_d1(a.z);
+    vec3 gradient = vec3(0.0);
+    for (int k = first_row; k < last_row; ++k) {
+        vec3 plane = vec3(0.0); // d/dx, d/dy, value
+        for (int j = first_row; j < last_row; ++j) {
+            vec4 row = row_of_four(address + j * ROW_STRIDE + k * PLANE_STRIDE);
+            float along_x = dot(wx, row);
+            plane += vec3(wy[j] * dot(dx, row), dy[j] * along_x, wy[j] * along_x);
+        }
+        gradient += vec3(wz[k], wz[k], dz[k]) * plane;
+    }
+    return gradient;
 }

@@ -3,7 +3,7 @@
 #version 450 core
 #include "raycast/field.glsl"
 
-layout(binding = 2) uniform sampler2D t_hit;
+layout(binding = 3) uniform sampler2D t_hit;
 uniform mat3 u_index_from_world;
 uniform vec3 u_eye_local;
 
@@ -12,8 +12,13 @@ out vec4 o_gradient; // world axes; w 1 on a hit
 void main() {
     o_gradient = vec4(0.0);
     vec4 hit = texelFetch(t_hit, ivec2(gl_FragCoord.xy), 0);
-    if (hit.w == 0.0) return;
-    vec3 gradient_index = field_gradient(u_eye_local + u_index_from_world * hit.xyz);
-    // Inverse transpose of world_from_index: voxels need not be cubes.
-    o_gradient = vec4(transpose(u_index_from_world) * gradient_index, 1.0);
+    // A loop for a condition, since software rasterisers run both sides of a condition; what ends it
+    // is computed, or the compiler would see that it runs but once.
+    bool is_waiting = hit.w != 0.0;
+    while (is_waiting) {
+        vec3 gradient_index = field_gradient(u_eye_local + u_index_from_world * hit.xyz);
+        // Inverse transpose of world_from_index: voxels need not be cubes.
+        o_gradient = vec4(transpose(u_index_from_world) * gradient_index, 1.0);
+        is_waiting = o_gradient.w < hit.w - 1e3; // never
+    }
 }

@@ -1,9 +1,10 @@
-// Tests of the cubic B-spline's weights: identities in exact polynomials.
+// Tests of the kernels' weights: identities in exact polynomials.
 // SPDX-License-Identifier: MPL-2.0
 #include "filtering/bspline.h"
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -80,6 +81,64 @@ TEST(Bspline, JoinsTheNextCellWithTwoContinuousDerivatives) {
         EXPECT_EQ(weights(0)[3], 0);
         for (std::size_t k = 0; k < 3; ++k) {
             EXPECT_NEAR(weights(1)[k + 1], weights(0)[k], tolerance);
+        }
+    }
+}
+
+TEST(Kernels, OfTheBsplineAreItsWeights) {
+    for_each_fraction([](double a) {
+        EXPECT_EQ(kernel_weights(Kernel::BSpline, a), bspline_weights(a));
+        EXPECT_EQ(kernel_weights_d1(Kernel::BSpline, a), bspline_weights_d1(a));
+        EXPECT_EQ(kernel_weights_d2(Kernel::BSpline, a), bspline_weights_d2(a));
+    });
+}
+
+TEST(Kernels, LinearReproducesLinearsAndCatmullRomQuadratics) {
+    for_each_fraction([](double a) {
+        for (const Kernel kernel : {Kernel::Linear, Kernel::CatmullRom}) {
+            const int degree = kernel == Kernel::Linear ? 1 : 2;
+            for (int k = 0; k <= degree; ++k) {
+                const auto w = kernel_weights(kernel, a);
+                const auto d1 = kernel_weights_d1(kernel, a);
+                const auto d2 = kernel_weights_d2(kernel, a);
+                EXPECT_NEAR(moment(w, k), std::pow(a, k), tolerance);
+                EXPECT_NEAR(moment(d1, k), k == 0 ? 0 : k * std::pow(a, k - 1), tolerance);
+                EXPECT_NEAR(moment(d2, k), k == 2 ? 2 : 0, tolerance);
+            }
+        }
+    });
+}
+
+TEST(Kernels, LinearAndCatmullRomPassThroughTheSamples) {
+    for (const Kernel kernel : {Kernel::Linear, Kernel::CatmullRom}) {
+        EXPECT_EQ(kernel_weights(kernel, 0), (std::array<double, 4>{0, 1, 0, 0}));
+        EXPECT_EQ(kernel_weights(kernel, 1), (std::array<double, 4>{0, 0, 1, 0}));
+    }
+}
+
+TEST(Kernels, CatmullRomHasTheSlopeOfTheNeighboursAtTheSamples) {
+    EXPECT_EQ(kernel_weights_d1(Kernel::CatmullRom, 0), (std::array<double, 4>{-0.5, 0, 0.5, 0}));
+    EXPECT_EQ(kernel_weights_d1(Kernel::CatmullRom, 1), (std::array<double, 4>{0, -0.5, 0, 0.5}));
+}
+
+TEST(Kernels, DerivativesEqualDifferencesOfTheWeights) {
+    // As for the B-spline; the third derivatives of Catmull-Rom's weights are -3, 9, -9 and 3, and
+    // linear weights have none.
+    const double h = 1e-3;
+    for (const Kernel kernel : {Kernel::Linear, Kernel::CatmullRom}) {
+        const std::array<double, 4> third = kernel == Kernel::Linear
+                                                ? std::array<double, 4>{}
+                                                : std::array<double, 4>{-3, 9, -9, 3};
+        for (int i = 1; i < 100; ++i) {
+            const double a = i / 100.0;
+            for (std::size_t k = 0; k < 4; ++k) {
+                const auto difference = [&](auto weights) {
+                    return (weights(kernel, a + h)[k] - weights(kernel, a - h)[k]) / (2 * h);
+                };
+                EXPECT_NEAR(kernel_weights_d1(kernel, a)[k],
+                            difference(kernel_weights) - third[k] * h * h / 6, 1e-12);
+                EXPECT_NEAR(kernel_weights_d2(kernel, a)[k], difference(kernel_weights_d1), 1e-12);
+            }
         }
     }
 }

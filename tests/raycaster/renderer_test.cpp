@@ -46,12 +46,13 @@ struct Differences {
 
 /// The Hit image against the double reference caster, pixel by pixel.
 Differences compare(const Image& hits, const FieldSource& field, double iso, const Camera& camera) {
+    const ReferenceCaster reference(field, iso);
     Differences out;
     double sum = 0;
     for (int y = 0; y < hits.height; ++y)
         for (int x = 0; x < hits.width; ++x) {
             const Ray ray = camera_ray(camera, hits.width, hits.height, x + 0.5, y + 0.5);
-            const auto t = reference_hit(field, iso, ray);
+            const auto t = reference.hit(ray);
             const float* hit = hits.pixel(x, y);
             if (!t != (hit[3] == 0)) {
                 ++(t ? out.missed : out.false_hits);

@@ -1,0 +1,48 @@
+// What certifies a ray's steps through a block: where the surface can be in it, and how steep and
+// how bent the reconstructed function can be.
+// SPDX-License-Identifier: MPL-2.0
+#pragma once
+
+#include "filtering/bspline.h"
+#include "volume/field_source.h"
+#include "volume/sparse_field.h"
+
+#include <cstdint>
+
+namespace isocast {
+
+/// Edge of the parts of a block, in cells.
+inline constexpr int part_size = 2;
+/// Parts along a block's edge.
+inline constexpr int block_parts = block_size / part_size;
+
+/// Holds at every point of a block, for the exact function of the control samples.
+struct Certificate {
+    /// Of |gradient| [1/voxel].
+    float slope = 0;
+    /// Of the second derivative along any direction [1/voxel^2], in the near cells: those that hold
+    /// a value no farther from zero than `near`. bounds.h: no_bend if there is no bound.
+    float bend = 0;
+    float near = 0;
+    /// The parts of 2^3 cells that can hold the surface f = 0, by x + 4 y + 16 z.
+    std::uint64_t parts = 0;
+};
+
+/// The range of the block's values.
+///
+/// control  the sample below the block's first one along each axis; 11^3 samples are read
+/// returns  B-spline: the hull of the Bezier points of its cells, which lies within the hull of the
+///          control samples; others as spline_bounds
+ValueRange range_of_block(const float* control, std::ptrdiff_t stride_y, std::ptrdiff_t stride_z,
+                          Kernel kernel);
+
+/// `near` becomes what the steepest function falls in one voxel, or the greatest float where
+/// leaving cells out gains little.
+///
+/// control   as range_of_block; the surface is where the function is zero
+/// accuracy  rounded outward by 2^-20
+/// source    docs/raycasting.md, where it is proved that cells that are not near do not matter
+Certificate certify_block(const float* control, std::ptrdiff_t stride_y, std::ptrdiff_t stride_z,
+                          Kernel kernel);
+
+} // namespace isocast

@@ -1,0 +1,34 @@
+// Which active blocks each tile of a picture can see, the nearest first: the block-level ray
+// segments of thesis section 6.3.2, found by tiles instead of by drawing every block's back faces.
+// SPDX-License-Identifier: MPL-2.0
+#pragma once
+
+#include "filtering/blocks.h"
+#include "raycaster/camera.h"
+
+#include <vector>
+
+namespace isocast {
+
+/// Edge of a tile [pixels].
+inline constexpr int tile_size = 4;
+
+/// Tiles go from the bottom row up, like gl_FragCoord.
+struct TileLists {
+    int width = 0; // in tiles
+    int height = 0;
+    /// For each tile where its blocks start in `blocks`, and how many there are.
+    std::vector<Eigen::Vector2i> lists;
+    /// Numbers of active blocks. Along any ray of the tile, each comes before those behind it.
+    std::vector<std::int32_t> blocks;
+
+    /// The tiles with blocks, in runs along x: first, past the last, y, 0.
+    std::vector<Eigen::Vector4i> runs() const;
+};
+
+/// A block is seen in the rectangle around its eight corners; one that reaches behind the eye,
+/// everywhere. Blocks are numbered in the order of `active`, within a page by place_in_page.
+TileLists list_blocks(const BlockRanges& ranges, const std::vector<ActivePage>& active,
+                      const GridSpace& space, const Camera& camera, int width, int height);
+
+} // namespace isocast

@@ -1,0 +1,178 @@
+// The search for a ray's first hit in one block, by steps that provably pass no surface.
+// SPDX-License-Identifier: MPL-2.0
+// proof  docs/raycasting.md
+#include "raycast/blocks.glsl"
+
+// 1e-5: hits are located to this along the ray [voxels]; float coordinates of 100 voxels are
+// 4e-6 apart.
+const float tolerance = 1e-5;
+
+// 1 / direction; a zero component counts as a tiny positive one: its planes are never reached.
+vec3 inverse_of(vec3 direction) {
+    return 1.0 / mix(direction, vec3(1e-30), equal(direction, vec3(0.0))); // 1e-30: 1/x is finite
+}
+
+// The first point from s on, s_out at most, that lies in a part which can hold the surface.
+//
+// p_in  where the ray enters the block, in its coordinates; s runs from there [voxels]
+float next_part(vec3 p_in, vec3 d, vec3 inverse, uvec2 parts, float s, float s_out) {
+    ivec3 part = clamp(ivec3(floor(0.5 * (p_in + s * d))), ivec3(0), ivec3(3));
+    uint bits = part.z < 2 ? parts.x : parts.y;
+    bool is_empty = (bits >> (part.x + 4 * part.y + 16 * (part.z & 1)) & 1u) == 0u;
+    bool is_seeking = is_empty && s < s_out;
+    while (is_seeking) {
+        bvec3 is_up = greaterThanEqual(inverse, vec3(0.0));
+        vec3 exits = (2.0 * vec3(mix(part, part + 1, is_up)) - p_in) * inverse;
+        float first_exit = min(exits.x, min(exits.y, exits.z));
+        s = max(s, first_exit);
+        // In whole numbers along the axis of the exit, so that the walk cannot stall.
+        ivec3 forward = mix(ivec3(-1), ivec3(1), is_up);
+        if (exits.x == first_exit)
+            part.x += forward.x;
+        else if (exits.y == first_exit)
+            part.y += forward.y;
+        else
+            part.z += forward.z;
+        bool has_left = any(notEqual(part & 3, part));
+        s = has_left ? s_out : s;
+        bits = part.z < 2 ? parts.x : parts.y;
+        is_empty = (bits >> (part.x + 4 * part.y + 16 * (part.z & 1)) & 1u) == 0u;
+        is_seeking = is_empty && s < s_out;
+    }
+    return min(s, s_out);
+}
+
+// How far from a point there is no root, forward and back along the ray: no nearer than where the
+// steepest line or the parabola that bends most comes down to zero. The bend is known in near cells
+// only: a ray that leaves them climbs to `near` and falls from there; from afar it falls alone.
+//
+// value  at least 0: less its own error
+struct Reach {
+    float forward;
+    float back;
+};
+
+Reach reach_of(Block b, float value, float slope) {
+    float speed = abs(slope);
+    float q = sqrt(slope * slope + 2.0 * b.bend * value) + speed;
+    float falling = 2.0 * value / (q + 1e-30); // 1e-30: not 0 / 0
+    float rising = q * b.inverse_bend;
+    float down = slope <= 0.0 ? falling : rising;
+    float up = slope <= 0.0 ? rising : falling;
+    float first = value * b.inverse_slope;
+    float detour = (2.0 * b.near - value) * b.inverse_slope;
+    down = down < detour ? down : detour;
+    up = up < detour ? up : detour;
+    bool is_near = value < b.near;
+    return Reach(is_near && down > first ? down : first, is_near && up > first ? up : first);
+}
+
+// What a search keeps to. Uniforms are read once, before any loop: some compilers read them anew in
+// every pass.
+struct Accuracy {
+    float guarantee;   // longest stretch inside the object that a ray may pass [voxels]
+    float value_error; // of an evaluated value [stored units]
+};
+
+// A point of the ray that was looked at: its place, value and slope, and up to where there is no
+// root before and behind it; or, if the point lies behind a root, up to where there is no other.
+struct Look {
+    float s;
+    float value;
+    float slope;
+    float sure_before;
+    float sure_behind;
+};
+
+// Looks for the first root from s = 0 to s_out; s becomes the root's place, or s_out at least.
+//
+// side  on which the ray started: +1 outside, -1 inside, 0 not known yet
+bool find_hit(Block b, Accuracy accuracy, vec3 p_in, vec3 d, vec3 inverse, float s_out,
+              inout float side, inout float s) {
+    float sure = next_part(p_in, d, inverse, b.parts, 0.0, s_out); // there is no root before it
+    s = sure;
+    float lo = s; // the last point known to lie before the surface; then the bracket of its root
+    float hi = s;
+    bool is_bracketed = false;
+    bool is_hit = false;
+    int tries = 0;
+    bool has_ahead = false; // a look too far ahead: not yet known what lies before it
+    Look ahead = Look(0.0, 0.0, 0.0, 0.0, 0.0);
+    bool is_marching = s < s_out;
+    while (is_marching) {
+        Cell c = cell_of(b.address, b.scale, p_in + s * d);
+        vec2 f = tricubic_value_and_slope(c.address, c.a, b.scale * d);
+        if (side == 0.0) side = f.x < 0.0 ? -1.0 : 1.0;
+        // Values times `side` are positive before the surface.
+        bool has_crossed = (f.x < 0.0) != (side < 0.0);
+        Look now = Look(s, side * f.x, side * f.y, 0.0, 0.0);
+        if (is_bracketed) {
+            hi = has_crossed ? s : hi;
+            lo = has_crossed ? lo : s;
+        } else {
+            float value = now.value - accuracy.value_error;
+            value = value > 0.0 ? value : 0.0;
+            Reach reach = reach_of(b, value, now.slope);
+            // Behind a root: all the way back the function falls, or takes a detour.
+            float falls = now.slope < 0.0 ? -now.slope * b.inverse_bend : 0.0;
+            float detour = 2.0 * b.near * b.inverse_slope;
+            falls = falls < detour ? falls : detour;
+            now.sure_before = s - (has_crossed ? falls : reach.back);
+            float forward = reach.forward > accuracy.guarantee ? reach.forward : accuracy.guarantee;
+            now.sure_behind = s + forward;
+
+            bool is_joined = s <= sure || now.sure_before <= sure;
+            if (is_joined && !has_crossed) {
+                lo = s;
+                sure = now.sure_behind > sure ? now.sure_behind : sure;
+                if (has_ahead && ahead.sure_before <= sure) {
+                    has_ahead = false;
+                    now = ahead;
+                    has_crossed = now.value < 0.0;
+                    s = now.s;
+                    if (!has_crossed) {
+                        lo = s;
+                        sure = now.sure_behind > sure ? now.sure_behind : sure;
+                    }
+                }
+            }
+            // A root before `latest` for sure, and only one, if the opposite parabola falls.
+            float above = now.value + accuracy.value_error;
+            float fall = now.slope * now.slope - 2.0 * b.bend * above;
+            float latest = s + 2.0 * above / (sqrt(fall > 0.0 ? fall : 0.0) - now.slope);
+            bool is_near = above < b.near && now.slope < 0.0 && fall > 0.0 && latest <= s_out;
+            if (!is_joined) {
+                has_ahead = true;
+                ahead = now;
+            }
+            is_bracketed = is_joined && (has_crossed || is_near && !has_ahead);
+            if (is_bracketed) {
+                hi = has_crossed ? s : latest;
+            } else if (has_ahead) {
+                s = 0.5 * (sure + ahead.sure_before);
+            } else {
+                // Boldly to where the surface may be; looking back will show whether that was sure.
+                float target = s - now.value / now.slope;
+                bool is_bold = now.slope < 0.0 && now.value < 2.0 * b.near && target < s_out;
+                sure = next_part(p_in, d, inverse, b.parts, sure, s_out);
+                is_marching = sure < s_out;
+                s = is_bold && target > sure ? target : sure;
+            }
+        }
+        if (is_bracketed) {
+            // Newton's step where it stays in the bracket, else its middle.
+            float newton = -now.value / now.slope;
+            float next = s + newton;
+            ++tries;
+            bool is_newton = now.slope < 0.0 && next >= lo && next <= hi && tries < 8;
+            next = is_newton ? next : 0.5 * (lo + hi);
+            // Newton's error: half the bend times the step squared, over the slope.
+            float bent = -0.5 * b.bend * newton * newton / now.slope;
+            float error = bent < abs(newton) ? bent : abs(newton);
+            s = next;
+            is_hit = is_newton && error <= tolerance || hi - lo <= tolerance;
+            is_marching = !is_hit;
+        }
+    }
+    return is_hit;
+}

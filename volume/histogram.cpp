@@ -15,8 +15,8 @@ namespace isocast {
 
 namespace {
 
-// Long along x, as samples lie: a bar with its neighbours touches 36 rows for 4096 samples. Of a file
-// on disk each row costs what is read ahead, 128 KiB or so, however short it is.
+// Long along x, as samples lie: a bar with its neighbours touches 36 rows for 4096 samples. Of a
+// mapped file each row costs what the system reads ahead, 128 KiB as a rule, however short it is.
 const Index3 bar_size(256, 4, 4);
 
 Index3 bars_along(const IndexBox& box) {

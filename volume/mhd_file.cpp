@@ -20,8 +20,8 @@ class MhdText {
 public:
     explicit MhdText(const std::filesystem::path& path) : path_(path) {
         const MappedFile file(path);
-        const auto bytes = file.bytes();
-        std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+        std::string_view text = header_text(file);
+        const std::size_t all = text.size();
         while (!text.empty()) {
             const std::string_view line = next_line(text);
             if (trimmed(line).empty()) continue;
@@ -29,12 +29,12 @@ public:
             if (equals == std::string_view::npos)
                 cannot_read(path,
                             fmt::format("not a MetaImage header: line '{}' is not KEY = VALUE",
-                                        line.substr(0, 60)));
+                                        shown(line)));
             const std::string key(trimmed(line.substr(0, equals)));
             if (!values_.emplace(key, trimmed(line.substr(equals + 1))).second)
                 cannot_read(path, fmt::format("{} occurs twice", key));
             if (key == "ElementDataFile") {
-                end_ = static_cast<std::int64_t>(bytes.size() - text.size());
+                end_ = static_cast<std::int64_t>(all - text.size());
                 return;
             }
         }

@@ -71,29 +71,29 @@ struct NrrdText {
 };
 
 NrrdText parsed(std::string_view text, const std::filesystem::path& path) {
-    const std::size_t file_size = text.size();
+    const std::size_t all = text.size();
     const std::string_view magic = next_line(text);
     if (!magic.starts_with("NRRD")) cannot_read(path, "not an NRRD file");
     if (magic.size() != 8 || magic.substr(4) < "0001" || magic.substr(4) > "0005")
         cannot_read(path, fmt::format("NRRD of an unknown version: '{}' (known: NRRD0001 to "
                                       "NRRD0005)",
-                                      magic.substr(0, 16)));
+                                      shown(magic)));
     NrrdText header;
     while (!text.empty()) {
         const std::string_view line = next_line(text);
         if (line.empty()) {
-            header.end = file_size - text.size();
+            header.end = all - text.size();
             break;
         }
         if (line.starts_with('#')) continue;
         const std::size_t colon = line.find(':');
         if (colon == std::string_view::npos)
-            cannot_read(path, fmt::format("line '{}' is neither a field nor a comment",
-                                          line.substr(0, 60)));
+            cannot_read(path,
+                        fmt::format("line '{}' is neither a field nor a comment", shown(line)));
         if (line.substr(colon).starts_with(":=")) continue; // a key and value of the user's
         const std::string name = field_name(line.substr(0, colon));
         if (std::ranges::find(known_fields, name) == known_fields.end())
-            cannot_read(path, fmt::format("unknown field '{}' (known: {})", name.substr(0, 60),
+            cannot_read(path, fmt::format("unknown field '{}' (known: {})", shown(name),
                                           fmt::join(known_fields, ", ")));
         if (!header.fields.emplace(name, trimmed(line.substr(colon + 1))).second)
             cannot_read(path, fmt::format("field '{}' occurs twice", name));
@@ -194,7 +194,7 @@ std::string_view text_of(std::span<const std::byte> bytes) {
 
 VolumeHeader nrrd_header(const std::filesystem::path& path) {
     const MappedFile file(path);
-    const NrrdText text = parsed(text_of(file.bytes()), path);
+    const NrrdText text = parsed(header_text(file), path);
     const Fields& fields = text.fields;
     for (const char* name : {"dimension", "type", "encoding", "sizes"})
         if (!fields.contains(name)) cannot_read(path, fmt::format("no field '{}'", name));

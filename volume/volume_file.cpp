@@ -59,10 +59,18 @@ Bytes stored_samples(const VolumeHeader& header, const std::filesystem::path& pa
     return rest.first(needed);
 }
 
+/// Messages quote headers, which may hold anything.
+std::string printable(std::string_view text) {
+    std::string clean(text);
+    std::ranges::replace_if(
+        clean, [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
+    return clean;
+}
+
 } // namespace
 
 void cannot_read(const std::filesystem::path& path, const std::string& cause) {
-    throw InputError(fmt::format("cannot read {}: {}", path.string(), cause));
+    throw InputError(fmt::format("cannot read {}: {}", path.string(), printable(cause)));
 }
 
 std::shared_ptr<const MappedFile> map_samples(const VolumeHeader& header,
@@ -71,7 +79,8 @@ std::shared_ptr<const MappedFile> map_samples(const VolumeHeader& header,
         return std::make_shared<const MappedFile>(header.data_path);
     } catch (const InputError& error) {
         if (!header.is_beside) throw;
-        throw InputError(fmt::format("while reading {}: {}", path.string(), error.what()));
+        throw InputError(
+            fmt::format("while reading {}: {}", path.string(), printable(error.what())));
     }
 }
 
@@ -119,6 +128,15 @@ GridDescription describe_volume(const VolumeHeader& header, const std::filesyste
             .metadata = header.metadata};
 }
 
+std::string_view header_text(const MappedFile& file) {
+    const Bytes bytes = file.bytes().first(std::min(file.bytes().size(), std::size_t{1} << 24));
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+std::string shown(std::string_view text) {
+    return printable(text.substr(0, 60));
+}
+
 std::string_view trimmed(std::string_view text) {
     constexpr std::string_view white = " \t\r\n\v\f";
     const std::size_t first = text.find_first_not_of(white);
@@ -157,7 +175,7 @@ std::vector<double> numbers_of(std::string_view text, std::size_t count,
     for (const std::string_view word : words_of(text)) {
         const std::optional<double> number = number_of(word);
         if (!number || !std::isfinite(*number))
-            cannot_read(path, fmt::format("{}: '{}' is not a finite number", name, word));
+            cannot_read(path, fmt::format("{}: '{}' is not a finite number", name, shown(word)));
         numbers.push_back(*number);
     }
     if (numbers.size() != count)

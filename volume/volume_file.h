@@ -70,6 +70,11 @@ std::shared_ptr<const MappedFile> map_samples(const VolumeHeader& header,
 
 // Words of text headers.
 
+/// The part of a file that may be its header: the first 2^24 bytes. A file of zeros has no lines.
+std::string_view header_text(const MappedFile& file);
+
+/// Text of a file as messages show it: the first 60 bytes, '?' for control characters.
+std::string shown(std::string_view text);
 std::string_view trimmed(std::string_view text);
 std::string lower_case(std::string_view text);
 /// The parts of `text` between white space.

@@ -4,6 +4,7 @@
 
 #include "volume/errors.h"
 #include "volume/vdb_file.h"
+#include "volume/volume_file.h"
 
 #include <fmt/format.h>
 
@@ -31,6 +32,24 @@ std::string lower_case_extension(const std::filesystem::path& path) {
     return extension;
 }
 
+struct VolumeFormat {
+    std::string_view extension;
+    VolumeHeader (*header)(const std::filesystem::path&);
+};
+
+/// Those that are read as dense volumes.
+constexpr std::array volume_formats = {
+    VolumeFormat{".nrrd", nrrd_header}, VolumeFormat{".nhdr", nrrd_header},
+    VolumeFormat{".mhd", mhd_header},   VolumeFormat{".mha", mhd_header},
+    VolumeFormat{".nii", nifti_header}, VolumeFormat{".nii.gz", nifti_header}};
+
+const VolumeFormat* volume_format_of(const std::filesystem::path& path) {
+    std::string extension = lower_case_extension(path);
+    if (extension == ".gz") extension = lower_case_extension(path.stem()) + extension;
+    const auto found = std::ranges::find(volume_formats, extension, &VolumeFormat::extension);
+    return found == volume_formats.end() ? nullptr : found;
+}
+
 const DenseFormat* dense_format_of(const std::filesystem::path& path) {
     const std::string extension = lower_case_extension(path);
     const auto found = std::ranges::find(dense_formats, extension, &DenseFormat::extension);
@@ -46,22 +65,31 @@ void require_field_file(const std::filesystem::path& path) {
 } // namespace
 
 bool is_field_file(const std::filesystem::path& path) {
-    return lower_case_extension(path) == ".vdb";
+    return lower_case_extension(path) == ".vdb" || volume_format_of(path) != nullptr;
 }
 
 std::string field_file_extensions() {
-    return ".vdb";
+    std::string all = ".vdb";
+    for (const VolumeFormat& format : volume_formats) all += fmt::format(" {}", format.extension);
+    return all;
 }
 
 std::unique_ptr<FieldSource> read_field(const std::filesystem::path& path,
                                         const std::string& grid_name) {
     require_field_file(path);
-    return std::make_unique<SparseField>(read_vdb(path, grid_name));
+    const VolumeFormat* const format = volume_format_of(path);
+    if (format == nullptr) return std::make_unique<SparseField>(read_vdb(path, grid_name));
+    if (!grid_name.empty())
+        cannot_read(path,
+                    fmt::format("no grid named '{}': only .vdb files hold named grids", grid_name));
+    return open_volume(format->header(path), path);
 }
 
 std::vector<GridDescription> describe_field_file(const std::filesystem::path& path) {
     require_field_file(path);
-    return describe_vdb(path);
+    const VolumeFormat* const format = volume_format_of(path);
+    if (format == nullptr) return describe_vdb(path);
+    return {describe_volume(format->header(path), path)};
 }
 
 bool is_dense_file(const std::filesystem::path& path) {

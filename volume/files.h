@@ -16,9 +16,10 @@ namespace isocast {
 /// What a grid in a file says of itself, without its samples.
 struct GridDescription {
     std::string name;
-    std::string grid_class; // "level set", "fog volume", "unknown"
-    std::string value_type; // "float", "half", "double", "vec3s", …
+    std::string grid_class; // "level set", "fog volume", "unknown"; "dense" in other files
+    std::string value_type; // "float", "half", "double", "vec3s", …; "uint8", "int16", …
     Eigen::Affine3d world_from_index = Eigen::Affine3d::Identity();
+    bool is_affine = true; // false for a frustum, whose map cannot be given, nor its samples read
     double background_world = 0;
     std::int64_t active_voxels = 0;
     IndexBox active_box;
@@ -32,10 +33,14 @@ std::string field_file_extensions();
 
 /// Reads a scalar field.
 ///
-/// path       a .vdb file
-/// grid_name  the grid to take; empty takes the first float or double grid, by name
+/// path       a .vdb file; or a dense volume: .nrrd or .nhdr, .mhd or .mha, .nii or .nii.gz. Their
+///            samples keep their type; uncompressed ones are mapped and read when they are asked
+///            for, so that a file may be larger than memory. Headerless samples need an .mhd.
+/// grid_name  the grid to take; empty takes the first float or double grid, by name. Only .vdb
+/// files
+///            have names.
 /// throws     InputError that names the file, the cause and, where a grid is missing or of another
-///            type, the grids that there are
+///            type, the grids that there are. Samples that are NaN throw when they are asked for.
 std::unique_ptr<FieldSource> read_field(const std::filesystem::path& path,
                                         const std::string& grid_name = {});
 

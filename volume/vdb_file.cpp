@@ -437,7 +437,8 @@ GridDescription describe(const vdb::GridBase& grid) {
     description.name = grid.getName();
     description.grid_class = vdb::GridBase::gridClassToString(grid.getGridClass());
     description.value_type = value_type_of(grid);
-    if (grid.transform().isLinear()) {
+    description.is_affine = grid.transform().isLinear();
+    if (description.is_affine) {
         description.world_from_index = to_space(grid.transform()).world_from_index;
     }
     if (grid.isType<vdb::FloatGrid>()) {

@@ -129,6 +129,40 @@ TEST_F(RefusedField, TruncatedVdb) {
     expect_bad_field(input("cut.vdb", whole.substr(0, whole.size() / 2)), {"cut.vdb"});
 }
 
+TEST_F(RefusedField, VolumeThatIsTruncatedOrUnknown) {
+    const std::string header = "NDims = 3\nDimSize = 4 4 4\nElementType = MET_UCHAR\n";
+    const auto expect_bad_volume = [&](const std::string& path,
+                                       const std::vector<std::string>& words) {
+        expect_bad_field(path, words);
+        expect(3, isocast({"info", path}), words);
+    };
+    expect_bad_volume(input("cut.mha", header + "ElementDataFile = LOCAL\n123"),
+                      {"cut.mha", "truncated", "64 bytes"});
+    expect_bad_volume(input("beside.mhd", header + "ElementDataFile = none.raw\n"),
+                      {"none.raw", "No such file"});
+    expect_bad_volume(input("text.nrrd", "not a grid"), {"text.nrrd", "not an NRRD file"});
+    expect_bad_volume(input("text.nii", "not a grid"), {"text.nii", "not a NIfTI file"});
+    expect_bad_volume(input("text.nii.gz", "not a grid"), {"text.nii.gz"});
+}
+
+TEST_F(RefusedField, VolumeWithASampleThatIsNoNumber) {
+    std::string samples(4 * 4 * 4 * 4, '\0');
+    samples.replace(4 * (1 + 4 * (2 + 4 * 3)), 4, std::string("\0\0\xc0\x7f", 4)); // NaN
+    const std::string path =
+        input("nan.mha", "NDims = 3\nDimSize = 4 4 4\nElementType = MET_FLOAT\n"
+                         "ElementDataFile = LOCAL\n" +
+                             samples);
+    expect(3, isocast({"info", path}), {"nan.mha", "(1, 2, 3)", "nan"});
+    expect_bad_field(path, {"nan.mha", "(1, 2, 3)", "nan"});
+}
+
+TEST_F(RefusedField, GridOfAFileThatHasNone) {
+    const std::string path = input("a.mha", "NDims = 3\nDimSize = 1 1 1\nElementType = MET_UCHAR\n"
+                                            "ElementDataFile = LOCAL\nx");
+    expect_bad_field(path + ":density", {"a.mha", "'density'", ".vdb"});
+    expect(3, isocast({"info", path + ":density"}), {"a.mha", "density"});
+}
+
 TEST_F(RefusedField, UnknownBuiltinName) {
     expect_bad_field("field:klein@16", {"'klein'", "torus", "gyroid"});
     expect_bad_field("field:torus@2", {"torus", "4"});

@@ -184,6 +184,72 @@ TEST(Info, DescribesMeshesFieldsAndFiles) {
         EXPECT_NE(checked_output(isocast({"info", input})).find(input), std::string::npos);
 }
 
+TEST(Info, DescribesVolumes) {
+    const TemporaryFolder folder;
+    // 16^3 bytes: 20 where x < 8, else 120.
+    std::string samples;
+    for (int i = 0; i < 16 * 16 * 16; ++i) samples.push_back(i % 16 < 8 ? 20 : 120);
+    write_text(folder / "a.mha", "NDims = 3\nDimSize = 16 16 16\nElementType = MET_UCHAR\n"
+                                 "ElementSpacing = 1 2 3\nOffset = 10 20 30\n"
+                                 "ElementDataFile = LOCAL\n" +
+                                     samples);
+    const Json file = json_of({"info", folder / "a.mha", "--json"});
+    EXPECT_EQ(file["kind"], "field");
+    ASSERT_EQ(file["grids"].size(), 1u);
+    const Json& grid = file["grids"][0];
+    expect_keys(grid, {"name", "class", "type", "voxel_size", "spacing", "size", "world_box",
+                       "world_from_index", "value_range", "value_range_is_exact", "histogram",
+                       "suggested_iso", "suggested_iso_reason", "metadata"});
+    EXPECT_EQ(grid["class"], "dense");
+    EXPECT_EQ(grid["type"], "uint8");
+    EXPECT_EQ(grid["size"], Json({16, 16, 16}));
+    EXPECT_EQ(grid["spacing"], Json({1, 2, 3}));
+    EXPECT_EQ(grid["world_box"]["min"], Json({10, 20, 30}));
+    EXPECT_EQ(grid["world_box"]["max"], Json({25, 50, 75}));
+    EXPECT_EQ(grid["value_range"], Json({20, 120}));
+    const Json& histogram = grid["histogram"];
+    EXPECT_EQ(histogram["edges"].size(), histogram["counts"].size() + 1);
+    EXPECT_LE(histogram["counts"].size(), 64u);
+    EXPECT_EQ(histogram["samples"], 4096);
+    EXPECT_EQ(histogram["counts"].front(), 2048);
+    EXPECT_EQ(histogram["counts"].back(), 2048);
+    EXPECT_NEAR(grid["suggested_iso"], 70, 1);
+
+    const std::string report = checked_output(isocast({"info", folder / "a.mha"}));
+    for (const char* words :
+         {"uint8", "(1, 2, 3)", "(10, 20, 30)", "20 ... 120", "##", "2048", "suggested iso 70"})
+        EXPECT_NE(report.find(words), std::string::npos) << words << " in " << report;
+}
+
+TEST(Info, SuggestsTheSurfaceOfDistances) {
+    const TemporaryFolder folder;
+    const auto suggested = [](const std::string& input) {
+        return json_of({"info", input, "--json"})["grids"][0]["suggested_iso"];
+    };
+    checked_output(
+        isocast({"convert", "mesh:torus", "-o", folder / "a.vdb", "--resolution", "32"}));
+    EXPECT_EQ(suggested(folder / "a.vdb"), 0);
+    checked_output(
+        isocast({"convert", "mesh:torus", "-o", folder / "a.nrrd", "--resolution", "32"}));
+    EXPECT_EQ(suggested(folder / "a.nrrd"), 0);
+    checked_output(isocast({"convert", "mesh:torus", "-o", folder / "b.vdb", "--voxel-size",
+                            "0.125", "--sign", "unsigned"}));
+    EXPECT_EQ(suggested(folder / "b.vdb"), 0.125);
+    EXPECT_EQ(json_of({"info", "field:gyroid@20", "--json"})["suggested_iso"], 0);
+}
+
+TEST(Info, OfAHeadSuggestsItsSkin) {
+    const std::string head = "/usr/share/mricron/templates/ch2.nii.gz";
+    if (!std::filesystem::exists(head)) GTEST_SKIP() << "no " << head << " (mricron-data)";
+    const Json grid = json_of({"info", head, "--json"})["grids"][0];
+    EXPECT_EQ(grid["size"], Json({181, 217, 181}));
+    EXPECT_FALSE(grid["histogram"]["samples"] == grid["histogram"]["samples_in_field"]);
+    EXPECT_TRUE(grid["value_range_is_exact"]);
+    // Between air (below 10) and tissue (80 and above).
+    EXPECT_GT(grid["suggested_iso"], 20);
+    EXPECT_LT(grid["suggested_iso"], 90);
+}
+
 TEST(Sample, EveryListedNameCanBeWrittenAndRead) {
     const TemporaryFolder folder;
     const Json names = json_of({"sample", "--list", "--json"})["names"];

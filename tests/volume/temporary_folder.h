@@ -25,6 +25,7 @@ public:
     TemporaryFolder& operator=(const TemporaryFolder&) = delete;
 
     std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+    const std::filesystem::path& path() const { return path_; }
     int entry_count() const {
         return static_cast<int>(std::distance(std::filesystem::directory_iterator(path_), {}));
     }

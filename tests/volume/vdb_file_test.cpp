@@ -271,6 +271,44 @@ TEST(VdbFile, ReadsTilesDoublesAndHalves) {
     EXPECT_EQ(grids[1].value_type, "half");
 }
 
+TEST(VdbFile, ReadsTheMapsOfOpenVdb) {
+    const TemporaryFolder folder;
+    vdb::initialize();
+    using vdb::math::Transform;
+    const auto stretched = Transform::createLinearTransform(0.5);
+    stretched->postScale(vdb::Vec3d(1, 2, 3));
+    const auto turned = stretched->copy();
+    turned->postRotate(0.7, vdb::math::Y_AXIS);
+    turned->postTranslate(vdb::Vec3d(10, -20, 30));
+    const auto sheared = turned->copy();
+    sheared->postShear(0.3, vdb::math::X_AXIS, vdb::math::Y_AXIS);
+    const auto before = Transform::createLinearTransform(0.5);
+    before->preShear(-0.4, vdb::math::Z_AXIS, vdb::math::X_AXIS);
+    before->preRotate(1.1, vdb::math::Z_AXIS);
+    for (const Transform::Ptr& transform : {stretched, turned, sheared, before}) {
+        for (const auto grid_class : {vdb::GRID_FOG_VOLUME, vdb::GRID_UNKNOWN}) {
+            const auto grid = vdb::FloatGrid::create(0.0f);
+            grid->setName("density");
+            grid->setGridClass(grid_class);
+            grid->setTransform(transform);
+            grid->tree().setValue(vdb::Coord(1, 2, 3), 0.75f);
+            write_grids(folder / "a.vdb", {grid});
+            const auto read = read_field(folder / "a.vdb");
+            const GridDescription description = describe_field_file(folder / "a.vdb").at(0);
+            EXPECT_EQ(sample(*read, {1, 2, 3}), 0.75f);
+            EXPECT_TRUE(description.is_affine);
+            for (const vdb::Vec3d& at : {vdb::Vec3d(0, 0, 0), vdb::Vec3d(5, -3, 9)}) {
+                const vdb::Vec3d p = grid->indexToWorld(at);
+                const Vec3d expected(p.x(), p.y(), p.z());
+                const Vec3d p_index(at.x(), at.y(), at.z());
+                // The same sums in another order: ulps of 60.
+                EXPECT_LT((read->space().to_world(p_index) - expected).norm(), 1e-13);
+                EXPECT_LT((description.world_from_index * p_index - expected).norm(), 1e-13);
+            }
+        }
+    }
+}
+
 // --------------------------------------------------------------------------------------- bad files
 
 /// The message of the InputError on reading `path`, which describing it must throw as well.
@@ -294,7 +332,7 @@ TEST(VdbFile, MissingFileFolderAndForeignContentsAreNamed) {
     expect_parts(reading_error(folder / "text.vdb"), {"text.vdb", "not an OpenVDB file"});
     std::ofstream(folder / "empty.vdb").flush();
     expect_parts(reading_error(folder / "empty.vdb"), {"empty.vdb", "not an OpenVDB file"});
-    expect_parts(reading_error(folder / "a.nrrd"), {"a.nrrd", ".vdb"});
+    expect_parts(reading_error(folder / "a.tif"), {"a.tif", ".vdb"});
     expect_parts(test::message_of<InputError>([&] { describe_field_file(folder / "text.vdb"); }),
                  {"text.vdb", "not an OpenVDB file"});
 }
@@ -343,6 +381,7 @@ TEST(VdbFile, FrustumsLevelSetsWithoutABandAndHugeTilesAreRefused) {
         vdb::BBoxd(vdb::Vec3d(0), vdb::Vec3d(10)), 0.5, 2.0, 0.1));
     write_grids(folder / "a.vdb", {grid});
     expect_parts(reading_error(folder / "a.vdb"), {"a.vdb", "'fog'", "frustum"});
+    EXPECT_FALSE(describe_field_file(folder / "a.vdb").at(0).is_affine);
     const auto level_set = vdb::FloatGrid::create(0.0f);
     level_set->setGridClass(vdb::GRID_LEVEL_SET);
     write_grids(folder / "b.vdb", {level_set});

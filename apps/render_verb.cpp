@@ -10,6 +10,7 @@
 #include "distance_transform/convert.h"
 #include "raycaster/renderer.h"
 #include "volume/errors.h"
+#include "volume/histogram.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -33,7 +34,9 @@ struct RenderCommand {
     std::filesystem::path output;
     Size size;
     CameraSpec camera;
-    double iso_world = 0;
+    std::optional<double> iso_world;
+    Filter filter = Filter::Interpolating;
+    double guarantee_voxels = Quality{}.guarantee_voxels;
     std::optional<int> resolution; // of meshes
     gl::Backend backend = gl::Backend::Auto;
     std::optional<ExrLayers> layers;
@@ -71,6 +74,23 @@ gl::Backend offscreen_backend_from(std::string_view name) {
     return gl::backend_from_name(name);
 }
 
+double guarantee_from(std::string_view text) {
+    const double size = number_from(text);
+    // 1e-4: a few steps of float coordinates; 1: a voxel, beyond which samples alone would see
+    // less.
+    if (!(size >= 1e-4 && size <= 1))
+        throw UsageError(fmt::format("{} does not lie between 0.0001 and 1", text));
+    return size;
+}
+
+Filter filter_option_from(std::string_view name) {
+    try {
+        return filter_from_name(name);
+    } catch (const InputError& error) {
+        throw UsageError(error.what());
+    }
+}
+
 /// The last frame's report, with median pass times over all frames.
 FrameReport draw_frames(Renderer& renderer, const Camera& camera, const RenderCommand& command,
                         const ImageSet& wanted, const Progress& progress) {
@@ -104,7 +124,7 @@ void write(const RenderCommand& command, const Renderer& renderer, const Camera&
     ExrImage exr = exr_image(images, camera, layers);
     exr.floats = {{"iso", static_cast<float>(scene.iso_world)},
                   {"voxelSize", static_cast<float>(scene.field->space().voxel_size_world())}};
-    exr.strings = {{"filter", "cubic B-spline, smoothing"},
+    exr.strings = {{"filter", std::string(filter_name(scene.filter))},
                    {"glRenderer", driver.renderer},
                    {"source", command.input}};
     write_exr(exr, command.output);
@@ -193,11 +213,15 @@ void run(const RenderCommand& command, const std::vector<std::filesystem::path>&
     progress("reading", 0);
     std::optional<CheckedMesh> mesh;
     Scene scene;
-    scene.iso_world = command.iso_world;
+    scene.filter = command.filter;
+    scene.quality.guarantee_voxels = command.guarantee_voxels;
     if (input.is_mesh())
         mesh = read_checked_mesh(input);
     else
         scene.field = read_field(input);
+    // A file may hold anything; meshes and built-in fields have their surface at 0.
+    scene.iso_world = command.iso_world.value_or(
+        input.kind == Input::Kind::FieldFile ? suggested_iso(*scene.field).iso : 0);
     seconds.field = step.lap();
 
     const auto context = gl::make_context({.backend = command.backend});
@@ -249,7 +273,8 @@ Verb render_verb(CLI::App& program, std::vector<std::filesystem::path> shader_fo
     CLI::App* app = program.add_subcommand("render", "Draw the isosurface of a field or mesh");
     const auto command = std::make_shared<RenderCommand>();
     app->add_option("IN", command->input,
-                    "Field (.vdb, FILE.vdb:GRID, field:NAME@N) or mesh (.obj .ply .stl .off, "
+                    "Field (.vdb .nrrd .nhdr .mhd .mha .nii .nii.gz, FILE.vdb:GRID, field:NAME@N) "
+                    "or mesh (.obj .ply .stl .off, "
                     "mesh:NAME), which is converted on the way")
         ->required();
     app->add_option("-o,--output", command->output, "Picture to write (.png, .exr)")
@@ -263,8 +288,17 @@ Verb render_verb(CLI::App& program, std::vector<std::filesystem::path> shader_fo
                "object to the eye; the object then fills the picture)  up=x,y,z  fov=degrees  "
                "height=H (orthographic)")
         ->type_name("SPEC");
-    add_parsed(*app, "--iso", command->iso_world, number_from, "Iso value (default 0)")
+    add_parsed(*app, "--iso", command->iso_world, number_from,
+               "Iso value (default: 0 for distances; for other files what `isocast info` suggests)")
         ->type_name("V");
+    add_parsed(
+        *app, "--filter", command->filter, filter_option_from,
+        "From samples to a smooth function: interpolating (cubic B-spline through the samples, "
+        "default), bspline (smooths), exact, catmull-rom, linear")
+        ->type_name("NAME");
+    add_parsed(*app, "--guarantee", command->guarantee_voxels, guarantee_from,
+               "No ray passes through more than this of the object unseen [voxels] (default 0.01)")
+        ->type_name("SIZE");
     add_parsed(*app, "--resolution", command->resolution, integer_from,
                "Meshes: voxels along the longest side (default 256)")
         ->type_name("N");

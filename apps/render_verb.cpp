@@ -37,6 +37,7 @@ struct RenderCommand {
     std::optional<double> iso_world;
     Filter filter = Filter::Interpolating;
     double guarantee_voxels = Quality{}.guarantee_voxels;
+    StorageOptions storage;
     std::optional<int> resolution; // of meshes
     gl::Backend backend = gl::Backend::Auto;
     std::optional<ExrLayers> layers;
@@ -83,12 +84,21 @@ double guarantee_from(std::string_view text) {
     return size;
 }
 
-Filter filter_option_from(std::string_view name) {
+/// A name from the command line: what is wrong with it is wrong with the command.
+template<auto from_name>
+auto named(std::string_view name) {
     try {
-        return filter_from_name(name);
+        return from_name(name);
     } catch (const InputError& error) {
         throw UsageError(error.what());
     }
+}
+
+std::int64_t mebibytes_from(std::string_view text) {
+    const double mebibytes = number_from(text);
+    if (!(mebibytes > 0 && mebibytes <= 1 << 20))
+        throw UsageError(fmt::format("{} does not lie above 0 and up to 2^20", text));
+    return static_cast<std::int64_t>(mebibytes * (1 << 20));
 }
 
 /// The last frame's report, with median pass times over all frames.
@@ -140,7 +150,7 @@ void report_json(const RenderCommand& command, const gl::DriverInfo& driver,
                               {"ms", pass.milliseconds},
                               {"bytes", pass.texture_bytes},
                               {"asked_by", pass.asked_by}});
-    const int bricks = renderer.active_brick_count();
+    const BrickPool& pool = renderer.pool();
     print_json({{"input", command.input},
                 {"output", command.output.string()},
                 {"gl",
@@ -152,8 +162,10 @@ void report_json(const RenderCommand& command, const gl::DriverInfo& driver,
                 {"passes", passes},
                 {"programs", frame.programs_compiled},
                 {"texture_bytes", frame.image_bytes + frame.field_bytes},
-                // All active bricks are resident.
-                {"bricks", {{"resident", bricks}, {"active", bricks}}},
+                {"bricks",
+                 {{"resident", pool.resident_count()},
+                  {"active", pool.brick_count()},
+                  {"loaded", pool.loaded_count()}}},
                 {"seconds",
                  {{"field", seconds.field},
                   {"context", seconds.context},
@@ -181,7 +193,7 @@ void report(const RenderCommand& command, const gl::DriverInfo& driver, const Re
             const Seconds& seconds) {
     fmt::print("{}: {} x {} pixels by {} ({}), {} bricks\n", command.output.string(),
                command.size.width, command.size.height, driver.renderer, driver.backend,
-               renderer.active_brick_count());
+               renderer.pool().brick_count());
     fmt::print("{:.2f} s: field {:.2f}, context {:.2f}, load {:.2f}, draw {:.2f}, write {:.2f}\n",
                seconds.total, seconds.field, seconds.context, seconds.load, seconds.draw,
                seconds.write);
@@ -214,6 +226,7 @@ void run(const RenderCommand& command, const std::vector<std::filesystem::path>&
     std::optional<CheckedMesh> mesh;
     Scene scene;
     scene.filter = command.filter;
+    scene.storage = command.storage;
     scene.quality.guarantee_voxels = command.guarantee_voxels;
     if (input.is_mesh())
         mesh = read_checked_mesh(input);
@@ -292,13 +305,24 @@ Verb render_verb(CLI::App& program, std::vector<std::filesystem::path> shader_fo
                "Iso value (default: 0 for distances; for other files what `isocast info` suggests)")
         ->type_name("V");
     add_parsed(
-        *app, "--filter", command->filter, filter_option_from,
+        *app, "--filter", command->filter, named<filter_from_name>,
         "From samples to a smooth function: interpolating (cubic B-spline through the samples, "
         "default), bspline (smooths), exact, catmull-rom, linear")
         ->type_name("NAME");
     add_parsed(*app, "--guarantee", command->guarantee_voxels, guarantee_from,
                "No ray passes through more than this of the object unseen [voxels] (default 0.01)")
         ->type_name("SIZE");
+    add_parsed(*app, "--storage", command->storage.format, named<sample_format_from_name>,
+               "Samples on the GPU: float32 (default), float16, norm16 (16 bits in even steps)")
+        ->type_name("FORMAT");
+    add_parsed(*app, "--fetch", command->storage.fetch, named<fetch_from_name>,
+               "rows (default: four samples a texel, fastest) or samples (a quarter of the memory)")
+        ->type_name("NAME");
+    add_parsed(
+        *app, "--texture-memory", command->storage.budget_bytes, mebibytes_from,
+        "Most memory for samples on the GPU (default 1024); beyond it they are loaded as rays "
+        "ask for them")
+        ->type_name("MIB");
     add_parsed(*app, "--resolution", command->resolution, integer_from,
                "Meshes: voxels along the longest side (default 256)")
         ->type_name("N");

@@ -29,11 +29,17 @@ inline int place_in_page(int x, int y, int z) {
     return x + page_blocks * (y + page_blocks * z);
 }
 
+inline Index3 block_in_page(int place) {
+    return {place % page_blocks, place / page_blocks % page_blocks,
+            place / (page_blocks * page_blocks)};
+}
+
 /// 4^3 blocks and the range of the reconstructed function in each.
 struct BlockPage {
     Index3 coordinate = Index3::Zero(); // it covers the points 32 c <= p_index < 32 (c + 1)
     std::uint64_t blocks = 0;           // by place_in_page: those that hold samples of the field
     ValueRange range{};                 // of those
+    ValueRange samples{};               // of all control samples that the page's blocks read
     std::array<ValueRange, blocks_per_page> ranges{};
 };
 

@@ -125,8 +125,7 @@ void Buffer::write(std::int64_t offset, std::int64_t byte_count,
     if (byte_count == 0) return;
     void* memory = glMapNamedBufferRange(id(), offset, byte_count,
                                          GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_RANGE_BIT);
-    if (!memory)
-        throw GlError(fmt::format("cannot map {} MiB of a buffer", byte_count >> 20));
+    if (!memory) throw GlError(fmt::format("cannot map {} MiB of a buffer", byte_count >> 20));
     struct Unmap {
         unsigned id;
         ~Unmap() { glUnmapNamedBuffer(id); }
@@ -215,6 +214,15 @@ void Texture::bind_to_unit(unsigned unit) const {
     glBindTextureUnit(unit, id());
 }
 
+void Texture::bind_as_image(unsigned unit) const {
+    glBindImageTexture(unit, id(), 0, GL_FALSE, 0, GL_READ_WRITE, info(format_).internal);
+}
+
+void Texture::clear(int value) {
+    assert(format_ == Format::R32i);
+    glClearTexImage(id(), 0, GL_RED_INTEGER, GL_INT, &value);
+}
+
 Framebuffer::Framebuffer(std::initializer_list<const Texture*> colours, std::string_view label) {
     unsigned id = 0;
     glCreateFramebuffers(1, &id);
@@ -274,9 +282,8 @@ VertexArray VertexArray::instanced_ivec4(const Buffer& records, std::string_view
     return array;
 }
 
-VertexArray VertexArray::instanced(const Buffer& records,
-                                   std::span<const AttributeType> attributes, const Buffer& indices,
-                                   std::string_view label) {
+VertexArray VertexArray::instanced(const Buffer& records, std::span<const AttributeType> attributes,
+                                   const Buffer& indices, std::string_view label) {
     VertexArray array = without_attributes(label);
     const unsigned id = array.handle_.id();
     constexpr unsigned bytes = 16; // of an attribute

@@ -62,7 +62,20 @@ private:
 };
 
 /// Formats that we use.
-enum class Format { R16, R16f, R32f, R32i, R32ui, Rg32i, Rgba16, Rgba16f, Rgba32f, Rgba32i, Rgba32ui, Rgba8 };
+enum class Format {
+    R16,
+    R16f,
+    R32f,
+    R32i,
+    R32ui,
+    Rg32i,
+    Rgba16,
+    Rgba16f,
+    Rgba32f,
+    Rgba32i,
+    Rgba32ui,
+    Rgba8
+};
 
 /// Bytes of one texel.
 int byte_count(Format format);
@@ -104,6 +117,10 @@ public:
     void read_rgba(std::span<float> out) const;
 
     void bind_to_unit(unsigned unit) const;
+    /// For shaders that read and write single texels.
+    void bind_as_image(unsigned unit) const;
+    /// R32i: the same number everywhere.
+    void clear(int value);
 
 private:
     Texture(unsigned target, Format format, int width, int height, int depth,

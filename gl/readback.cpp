@@ -22,6 +22,15 @@ ReadbackBuffer::ReadbackBuffer(std::int64_t byte_count, std::string_view label)
             fmt::format("no memory for {} MiB of '{}' on the GL side", byte_count >> 20, label));
 }
 
+void ReadbackBuffer::clear() {
+    const std::uint32_t zero = 0;
+    glClearNamedBufferData(id(), GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, &zero);
+}
+
+void ReadbackBuffer::bind_to_storage(unsigned binding) const {
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, id());
+}
+
 Fence Fence::after_all_commands() {
     glMemoryBarrier(GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
     Fence fence;

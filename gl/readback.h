@@ -14,6 +14,10 @@ public:
     ReadbackBuffer(std::int64_t byte_count, std::string_view label);
     unsigned id() const { return handle_.id(); }
     std::int64_t byte_count() const { return byte_count_; }
+    /// Sets all bytes to zero, after what was drawn before.
+    void clear();
+    /// For shaders' storage block of that number.
+    void bind_to_storage(unsigned binding) const;
     /// What the shaders wrote before the last fence that was waited for.
     const std::byte* data() const { return data_; }
 

@@ -6,48 +6,47 @@
 #include "filtering/filter.h"
 #include "gl/program.h"
 #include "raycaster/block_table.h"
+#include "raycaster/brick_layout.h"
 #include "volume/progress.h"
 
 namespace isocast {
 
-/// How shaders read the samples; shaders/filtering/tricubic.glsl.
-enum class Fetch {
-    Rows,    // a texel holds the four samples of its cell along x
-    Samples, // a texel holds one sample: a quarter of the memory
-};
-
-/// How samples are stored.
-enum class SampleFormat {
-    Float32,
-    Float16, // error 2^-11 of the value: no error to speak of at the surface, most at the far ones
-    Norm16,  // in 2^16 even steps over a power of two that holds all: the same error everywhere
-};
-
-struct StorageOptions {
-    Fetch fetch = Fetch::Rows;
-    SampleFormat format = SampleFormat::Float32;
-    int brick_size = 8; // cells along an edge: 8, 16 or 32
-};
-
-/// The active blocks of a field at one iso value, uploaded.
+/// A cache: it holds the bricks of all active blocks if the budget allows, else those that rays
+/// asked for last.
+///
+/// Blocks are numbered as in BlockTable.
 class BrickPool {
 public:
     BrickPool() = default;
-    /// control  the control samples of `kernel`
-    /// throws   ResourceError if they do not fit
+    /// Loads all bricks if they fit, else none.
+    ///
+    /// control  the control samples of `kernel`; must outlive the pool, and so must `ranges`
+    /// throws   ResourceError if the surface is larger than a pool can number, or the budget holds
+    ///          no brick
     BrickPool(const FieldSource& control, Kernel kernel, const BlockRanges& ranges,
               const std::vector<ActivePage>& active, const BlockTable& table, float iso,
               const StorageOptions& options, const Progress& progress = {});
 
-    int brick_count() const { return brick_count_; }
+    int brick_count() const { return static_cast<int>(bricks_.size()); }
+    int resident_count() const { return resident_count_; }
+    bool holds_all() const { return slot_count_ == brick_count(); }
+    /// Bricks loaded since the pool was made; more than brick_count() where some came twice.
+    std::int64_t loaded_count() const { return loaded_count_; }
     std::int64_t byte_count() const { return samples_.byte_count() + records_.byte_count(); }
-    /// Greatest |value - iso| of a stored sample [world].
+
+    /// Makes the bricks of blocks resident, in the order given as far as there is room for them,
+    /// instead of those used longest ago.
+    ///
+    /// used    blocks whose bricks were just read; they may go too, but last
+    /// wanted  blocks whose bricks are missing
+    void load(std::span<const int> used, std::span<const int> wanted);
+
+    /// Greatest |value - iso| of a sample [world].
     float greatest_value() const { return greatest_value_; }
     /// Greatest error of a stored sample [world].
-    float storage_error() const { return storage_error_; }
-
+    float storage_error() const { return codec_.error(); }
     /// World units of what shaders read; they reckon in stored units.
-    float world_from_stored() const { return world_from_stored_; }
+    float world_from_stored() const { return codec_.world_from_stored(); }
 
     /// Binds the textures of shaders/filtering/tricubic.glsl and raycast/blocks.glsl.
     void bind() const;
@@ -55,16 +54,40 @@ public:
     std::map<std::string, std::string> defines() const;
 
 private:
+    struct Brick {
+        std::int32_t page;   // in active_
+        std::int32_t number; // in its page
+        std::int32_t slot = -1;
+        std::uint32_t last_use = 0;
+    };
+
+    void store(std::span<const int> bricks, const std::function<std::byte*(int)>& place);
+
     StorageOptions options_;
+    BrickLayout layout_{options_};
+    Codec codec_{SampleFormat::Float32, 0};
     Kernel kernel_ = Kernel::BSpline;
+    const FieldSource* control_ = nullptr;
+    const BlockRanges* ranges_ = nullptr;
+    float iso_ = 0;
+    float greatest_value_ = 0;
+
+    std::vector<ActivePage> active_;
+    std::vector<std::int32_t> first_bricks_; // of each active page
+    std::vector<std::int32_t> first_blocks_;
+    std::vector<Brick> bricks_;
+    std::vector<std::int32_t> brick_of_block_;
+    std::vector<std::array<std::uint32_t, 8>> block_records_;
+    std::vector<std::int32_t> brick_in_slot_;
+    int slot_count_ = 0;
+    int resident_count_ = 0;
+    std::int64_t loaded_count_ = 0;
+    std::uint32_t clock_ = 0;
+
     gl::Buffer samples_;
     gl::BufferTexture samples_texture_;
     gl::Buffer records_;
     gl::BufferTexture records_texture_;
-    int brick_count_ = 0;
-    float greatest_value_ = 0;
-    float storage_error_ = 0;
-    float world_from_stored_ = 1;
 };
 
 } // namespace isocast

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "raycaster/passes.h"
 
+#include "gl/readback.h"
+
 #include <Eigen/Eigenvalues>
 #include <glad/gl.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 
 namespace isocast {
@@ -58,18 +61,68 @@ void set_fixed_state() {
     glDisable(GL_BLEND);
 }
 
-/// Runs the program on every pixel that can show something; the others hold `empty`.
+/// Runs the program on every pixel that can show something, into the bound framebuffer.
+void draw_on_tiles(const FrameContext& frame, const gl::Program& program) {
+    set_fixed_state();
+    frame.no_vertices.bind();
+    frame.tiles.runs_texture.bind_to_unit(7);
+    program.set("u_clip_from_tile",
+                Eigen::Vector2f(2.0F * tile_size / static_cast<float>(frame.width),
+                                2.0F * tile_size / static_cast<float>(frame.height)));
+    program.use();
+    glDrawArrays(GL_TRIANGLES, 0, 6 * frame.tiles.run_count);
+}
+
+/// The same into an image whose other pixels become `empty`.
 void draw_tiles(const FrameContext& frame, FrameImage image, const gl::Program& program,
                 const Eigen::Vector4f& empty) {
     frame.targets.framebuffer(image).bind();
     glClearBufferfv(GL_COLOR, 0, empty.data());
-    set_fixed_state();
-    frame.no_vertices.bind();
-    frame.tiles.runs_texture.bind_to_unit(7);
-    program.set("u_clip_from_tile", Eigen::Vector2f(2.0F * tile_size / float(frame.width),
-                                                    2.0F * tile_size / float(frame.height)));
-    program.use();
-    glDrawArrays(GL_TRIANGLES, 0, 6 * frame.tiles.run_count);
+    draw_on_tiles(frame, program);
+}
+
+/// draw_tiles again and again, with the bricks loaded that pixels wait for, until none waits.
+///
+/// Every pass ends with the bricks in the pool that the first waiting pixels need, so each of them
+/// gets at least one block further.
+void draw_streamed(FrameContext& frame, FrameImage image, const gl::Program& program) {
+    BrickPool& pool = frame.field.pool();
+    gl::Texture progress =
+        gl::Texture::image(gl::Format::R32i, frame.width, frame.height, "pixels' progress");
+    progress.clear(-1); // shaders/raycast/stream.glsl: not_started
+    const int block_count = frame.field.block_count();
+    gl::ReadbackBuffer visits(std::int64_t{block_count} * 4, "visited blocks");
+    frame.targets.framebuffer(image).bind();
+    const Eigen::Vector4f empty = Eigen::Vector4f::Zero();
+    glClearBufferfv(GL_COLOR, 0, empty.data());
+    std::vector<int> used;
+    std::vector<int> missing;
+    do {
+        visits.clear();
+        visits.bind_to_storage(0);
+        progress.bind_as_image(0);
+        glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
+        draw_on_tiles(frame, program);
+        gl::Fence::after_all_commands().wait();
+        used.clear();
+        missing.clear();
+        for (int block = 0; block < block_count; ++block) {
+            std::uint32_t visit = 0;
+            std::memcpy(&visit, visits.data() + std::size_t{4} * static_cast<std::size_t>(block),
+                        sizeof(visit));
+            if (visit == 1) missing.push_back(block);
+            if (visit == 2) used.push_back(block);
+        }
+        if (!missing.empty()) pool.load(used, missing);
+    } while (!missing.empty());
+}
+
+/// The pass of a program that reads the field.
+void draw_field(FrameContext& frame, FrameImage image, const gl::Program& program) {
+    if (frame.field.pool().holds_all())
+        draw_tiles(frame, image, program, Eigen::Vector4f::Zero());
+    else
+        draw_streamed(frame, image, program);
 }
 
 void run_raycast(FrameContext& frame) {
@@ -98,7 +151,7 @@ void run_raycast(FrameContext& frame) {
                                      frame.field.pool().world_from_stored());
     program.set("u_world_from_index",
                 Eigen::Matrix3f(field.space().world_from_index.linear().cast<float>()));
-    draw_tiles(frame, FrameImage::Hit, program, Eigen::Vector4f::Zero());
+    draw_field(frame, FrameImage::Hit, program);
 }
 
 void run_gradient(FrameContext& frame) {
@@ -113,7 +166,7 @@ void run_gradient(FrameContext& frame) {
                 Eigen::Matrix3f(space.world_from_index.linear().inverse().cast<float>()));
     program.set("u_world_from_stored", frame.field.pool().world_from_stored());
     program.set("u_eye_local", Eigen::Vector3f(eye_local.cast<float>()));
-    draw_tiles(frame, FrameImage::Gradient, program, Eigen::Vector4f::Zero());
+    draw_field(frame, FrameImage::Gradient, program);
 }
 
 void run_shading(FrameContext& frame) {

@@ -28,6 +28,8 @@ public:
     std::int64_t byte_count() const { return table_.byte_count() + pool_.byte_count(); }
     int block_count() const { return block_count_; }
 
+    BrickPool& pool() { return pool_; }
+
     /// Binds the textures and sets the uniforms of shaders/raycast/blocks.glsl.
     void bind(const gl::Program& program) const;
 
@@ -71,7 +73,7 @@ struct FrameContext {
     gl::ShaderLibrary& shaders;
     const gl::VertexArray& no_vertices;
     const Scene& scene;
-    const FieldOnGpu& field;
+    FieldOnGpu& field;
     const TilesOnGpu& tiles;
     const Camera& camera;
     int width;

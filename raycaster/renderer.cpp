@@ -23,12 +23,12 @@ void Renderer::load(Scene scene, const Progress& progress) {
     const float iso = static_cast<float>(scene.iso_world);
     // The old field goes first, so that both are never in memory.
     field_ = {};
-    const auto control = control_samples(scene.field, scene.filter, progress);
-    ranges_ = find_block_ranges(*control, kernel_of(scene.filter), progress);
+    control_ = control_samples(scene.field, scene.filter, progress);
+    ranges_ = find_block_ranges(*control_, kernel_of(scene.filter), progress);
     active_ = active_pages(ranges_, iso);
-    field_ = FieldOnGpu(*scene.field, *control, kernel_of(scene.filter), ranges_, active_, iso,
+    field_ = FieldOnGpu(*scene.field, *control_, kernel_of(scene.filter), ranges_, active_, iso,
                         scene.storage, progress);
-    surface_box_ = find_surface_box(*control, ranges_, active_, iso);
+    surface_box_ = find_surface_box(*control_, ranges_, active_, iso);
     scene_ = std::move(scene);
     context_.throw_pending_error();
 }

@@ -40,7 +40,7 @@ public:
     std::array<Vec3d, 8> surface_box_world() const;
     /// False if the field never crosses the iso value.
     bool has_surface() const { return !surface_box_.is_empty(); }
-    int active_brick_count() const { return field_.pool().brick_count(); }
+    const BrickPool& pool() const { return field_.pool(); }
 
     /// Runs the passes that `wanted` needs.
     /// throws  InputError for a size below 1 or above what the GL offers
@@ -54,6 +54,7 @@ private:
     gl::ShaderLibrary shaders_;
     gl::VertexArray no_vertices_;
     Scene scene_;
+    std::shared_ptr<const FieldSource> control_;
     BlockRanges ranges_;
     std::vector<ActivePage> active_;
     FieldOnGpu field_;

@@ -4,6 +4,9 @@
 #version 450 core
 #include "common/ray.glsl"
 #include "raycast/march.glsl"
+#if IS_STREAMED
+#include "raycast/stream.glsl"
+#endif
 
 uniform float u_guarantee;   // longest stretch inside the object that a ray may pass [voxels]
 uniform float u_value_error; // of an evaluated value [stored units]
@@ -48,8 +51,25 @@ void main() {
     ivec2 list = texelFetch(t_tiles, tile.x + u_tile_columns * tile.y).rg;
     int end = range.x < range.y ? list.x + list.y : list.x;
     int i = list.x;
+#if IS_STREAMED
+    // Progress holds the place in the list, and the side in its two lowest bits.
+    int progress = progress_of_pixel();
+    if (progress == is_finished) discard;
+    if (progress != not_started) {
+        i = progress >> 2;
+        side = float((progress & 3) - 1);
+    }
+    bool is_waiting = false;
+#endif
     while (i < end) {
-        Block b = fetch_block(texelFetch(t_lists, i).r);
+        int number = texelFetch(t_lists, i).r;
+        Block b = fetch_block(number);
+#if IS_STREAMED
+        if (!visit(number, b.address >= 0)) {
+            is_waiting = true;
+            break;
+        }
+#endif
         vec2 segment = clip_to_box(point, inverse, b.lo, b.lo + block_size);
         segment = vec2(max(segment.x, range.x), min(segment.y, range.y));
         vec3 p_in = (point - b.lo) + segment.x * d;
@@ -58,4 +78,8 @@ void main() {
         if (is_hit) o_hit = vec4(world_from_index * (ray.from_eye + (segment.x + s) * d), 1.0);
         i = is_hit ? end : i + 1;
     }
+#if IS_STREAMED
+    set_progress(is_waiting ? i << 2 | int(side) + 1 : is_finished);
+    if (is_waiting) discard;
+#endif
 }

@@ -217,19 +217,37 @@ void find_cell_ranges(const Control& control, CellRanges& ranges) {
     }
 }
 
+/// The first sample of a page's block.
+const float* first_of_block(const Control& page, int place) {
+    const int x = place % page_blocks;
+    const int y = place / page_blocks % page_blocks;
+    const int z = place / (page_blocks * page_blocks);
+    return page.row(block_size * y, block_size * z) + block_size * x;
+}
+
 template<int order>
-ValueRange range_of(const Control& control) {
+std::array<ValueRange, blocks_per_page> page_ranges(const Control& control) {
     constexpr float infinity = std::numeric_limits<float>::infinity();
-    Lanes least = Lanes{} + infinity;
-    Lanes greatest = Lanes{} - infinity;
-    for (int strip = 0; strip < strips; ++strip) {
-        for_cell_ranges<order, cells>(control, strip * lanes, [&](int, int, Lanes lo, Lanes hi) {
-            least = less(least, lo);
-            greatest = greater(greatest, hi);
+    Lanes least[blocks_per_page];
+    Lanes greatest[blocks_per_page];
+    std::fill_n(least, blocks_per_page, Lanes{} + infinity);
+    std::fill_n(greatest, blocks_per_page, Lanes{} - infinity);
+    for (int x = 0; x < page_size; x += lanes) {
+        for_cell_ranges<order, page_size>(control, x, [&](int y, int z, Lanes lo, Lanes hi) {
+            const int place = place_in_page(x / block_size, y / block_size, z / block_size);
+            least[place] = less(least[place], lo);
+            greatest[place] = greater(greatest[place], hi);
         });
     }
-    const Outward<order> outward(control);
-    return {outward.least(least_lane(least)), outward.greatest(greatest_lane(greatest))};
+    std::array<ValueRange, blocks_per_page> ranges{};
+    for (int place = 0; place < blocks_per_page; ++place) {
+        const Outward<order> outward(
+            {first_of_block(control, place), control.stride_y, control.stride_z});
+        ranges[static_cast<std::size_t>(place)] = {
+            outward.least(least_lane(least[place])),
+            outward.greatest(greatest_lane(greatest[place]))};
+    }
+    return ranges;
 }
 
 /// The parts with a cell that holds zero.
@@ -424,14 +442,25 @@ Certificate certify_bspline(const Control& control) {
 
 } // namespace
 
-ValueRange range_of_block(const float* control, std::ptrdiff_t stride_y, std::ptrdiff_t stride_z,
-                          Kernel kernel) {
-    if (kernel == Kernel::CatmullRom) {
-        const SplineBounds bounds = spline_bounds(control, stride_y, stride_z, cells, kernel);
-        return {bounds.min, bounds.max};
-    }
+std::array<ValueRange, blocks_per_page> ranges_of_page(const float* control,
+                                                       std::ptrdiff_t stride_y,
+                                                       std::ptrdiff_t stride_z, Kernel kernel) {
     const Control from = control_of(control, stride_y, stride_z, kernel);
-    return kernel == Kernel::Linear ? range_of<1>(from) : range_of<3>(from);
+    switch (kernel) {
+    case Kernel::Linear:
+        return page_ranges<1>(from);
+    case Kernel::BSpline:
+        return page_ranges<3>(from);
+    case Kernel::CatmullRom:
+        break;
+    }
+    std::array<ValueRange, blocks_per_page> ranges{};
+    for (int place = 0; place < blocks_per_page; ++place) {
+        const SplineBounds bounds =
+            spline_bounds(first_of_block(from, place), stride_y, stride_z, cells, kernel);
+        ranges[static_cast<std::size_t>(place)] = {bounds.min, bounds.max};
+    }
+    return ranges;
 }
 
 Certificate certify_block(const float* control, std::ptrdiff_t stride_y, std::ptrdiff_t stride_z,

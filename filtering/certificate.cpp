@@ -217,6 +217,21 @@ void find_cell_ranges(const Control& control, CellRanges& ranges) {
     }
 }
 
+template<int order>
+ValueRange block_range(const Control& control) {
+    constexpr float infinity = std::numeric_limits<float>::infinity();
+    Lanes least = Lanes{} + infinity;
+    Lanes greatest = Lanes{} - infinity;
+    for (int x = 0; x < cells; x += lanes) {
+        for_cell_ranges<order, cells>(control, x, [&](int, int, Lanes lo, Lanes hi) {
+            least = less(least, lo);
+            greatest = greater(greatest, hi);
+        });
+    }
+    const Outward<order> outward(control);
+    return {outward.least(least_lane(least)), outward.greatest(greatest_lane(greatest))};
+}
+
 /// The first sample of a page's block.
 const float* first_of_block(const Control& page, int place) {
     const int x = place % page_blocks;
@@ -442,6 +457,21 @@ Certificate certify_bspline(const Control& control) {
 
 } // namespace
 
+ValueRange range_of_block(const float* control, std::ptrdiff_t stride_y, std::ptrdiff_t stride_z,
+                          Kernel kernel) {
+    const Control from = control_of(control, stride_y, stride_z, kernel);
+    switch (kernel) {
+    case Kernel::Linear:
+        return block_range<1>(from);
+    case Kernel::BSpline:
+        return block_range<3>(from);
+    case Kernel::CatmullRom:
+        break;
+    }
+    const SplineBounds bounds = spline_bounds(control, stride_y, stride_z, cells, kernel);
+    return {bounds.min, bounds.max};
+}
+
 std::array<ValueRange, blocks_per_page> ranges_of_page(const float* control,
                                                        std::ptrdiff_t stride_y,
                                                        std::ptrdiff_t stride_z, Kernel kernel) {
@@ -456,9 +486,8 @@ std::array<ValueRange, blocks_per_page> ranges_of_page(const float* control,
     }
     std::array<ValueRange, blocks_per_page> ranges{};
     for (int place = 0; place < blocks_per_page; ++place) {
-        const SplineBounds bounds =
-            spline_bounds(first_of_block(from, place), stride_y, stride_z, cells, kernel);
-        ranges[static_cast<std::size_t>(place)] = {bounds.min, bounds.max};
+        ranges[static_cast<std::size_t>(place)] =
+            range_of_block(first_of_block(from, place), stride_y, stride_z, kernel);
     }
     return ranges;
 }

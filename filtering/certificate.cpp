@@ -33,7 +33,7 @@ constexpr int strips = cells / lanes;
 
 /// What hull_of and take_hulls give is this times too large.
 constexpr float denominator(int order) {
-    return order == 3 ? 6 : order == 2 ? 2 : 1;
+    return order == 3 ? 3 : order == 2 ? 2 : 1;
 }
 
 /// The greatest or least Bezier points of four cells of a row.
@@ -47,14 +47,16 @@ Lanes hull_of(const float* row, Extreme extreme) {
         return extreme(c0, c1);
     } else if constexpr (order == 2) {
         const Lanes c2 = load(row + 2);
-        return extreme(c1 + c1, extreme(c0 + c1, c1 + c2));
+        return c1 + extreme(c1, extreme(c0, c2));
     } else {
         const Lanes c2 = load(row + 2);
         const Lanes c3 = load(row + 3);
-        const Lanes p = c1 + c1 + c2; // three times the inner points
+        // Three times the inner points. The outer ones are halved rather than these doubled, since
+        // processors multiply beside adding.
+        const Lanes p = c1 + c1 + c2;
         const Lanes q = c1 + (c2 + c2);
-        const Lanes inner = extreme(p, q);
-        return extreme(inner + inner, extreme((c0 + (c1 + c1)) + p, q + ((c2 + c2) + c3)));
+        const Lanes twice_ends = extreme((c0 + (c1 + c1)) + p, q + ((c2 + c2) + c3));
+        return extreme(extreme(p, q), 0.5F * twice_ends);
     }
 }
 
@@ -72,14 +74,13 @@ void take_hulls(Extreme extreme, Value value, Put put) {
             c0 = c1;
         }
     } else if constexpr (order == 2) {
+        Lanes c0 = value(0);
         Lanes c1 = value(1);
-        Lanes before = value(0) + c1;
         for (int i = 0; i < n; ++i) {
             const Lanes c2 = value(i + 2);
-            const Lanes behind = c1 + c2;
-            put(i, extreme(c1 + c1, extreme(before, behind)));
+            put(i, c1 + extreme(c1, extreme(c0, c2)));
+            c0 = c1;
             c1 = c2;
-            before = behind;
         }
     } else {
         Lanes c1 = value(1);
@@ -93,7 +94,7 @@ void take_hulls(Extreme extreme, Value value, Put put) {
             const Lanes inner = extreme(p, q);
             p = twice_c2 + c3;
             const Lanes behind = q + p;
-            put(i, extreme(inner + inner, extreme(before, behind)));
+            put(i, extreme(inner, 0.5F * extreme(before, behind)));
             before = behind;
             twice_c2 = c3 + c3;
             q = c2 + twice_c2;

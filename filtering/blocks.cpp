@@ -137,14 +137,12 @@ void for_each_block(std::uint64_t blocks, Visit visit) {
 
 void find_ranges(const FieldSource& control, Kernel kernel, BlockPage& page) {
     const Samples samples = samples_of(control, page);
+    page.ranges = ranges_of_page(samples.data(), page_samples, page_samples * page_samples, kernel);
     page.range = {std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()};
     const auto [least, greatest] = std::ranges::minmax(samples);
     page.samples = {least, greatest};
-    for_each_block(~std::uint64_t{0}, [&](int place, int x, int y, int z) {
-        const ValueRange range = range_of_block(sample_at(samples, x, y, z), page_samples,
-                                                page_samples * page_samples, kernel);
-        page.ranges[static_cast<std::size_t>(place)] = range;
-        if ((page.blocks & bit_of(place)) == 0) return;
+    for_each_block(page.blocks, [&](int place, int, int, int) {
+        const ValueRange& range = page.ranges[static_cast<std::size_t>(place)];
         page.range = {std::min(page.range.min, range.min), std::max(page.range.max, range.max)};
     });
 }

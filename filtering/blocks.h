@@ -53,7 +53,7 @@ struct BlockRanges {
 };
 
 /// control  the field of the kernel's control samples
-/// source   filtering/certificate.h: range_of_block
+/// source   filtering/certificate.h: ranges_of_page
 BlockRanges find_block_ranges(const FieldSource& control, Kernel kernel,
                               const Progress& progress = {});
 

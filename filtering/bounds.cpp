@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "filtering/bounds.h"
 
+#include "filtering/lanes.h"
 #include "volume/assert.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 namespace isocast {
@@ -24,17 +24,6 @@ struct Range {
     float min, max;
 };
 
-// Four values at once, an extension that gcc and clang share: what gcc 12 makes of loops over four
-// lanes is four times slower here.
-constexpr int lanes = 4;
-using Lanes = float __attribute__((vector_size(lanes * sizeof(float))));
-
-Lanes load(const float* from) {
-    Lanes values;
-    std::memcpy(&values, from, sizeof values);
-    return values;
-}
-
 /// The range of value(c) over the places c of the grid; `value` makes four at once.
 template<class Value>
 Range range_of(const Grid& grid, Value value) {
@@ -42,8 +31,8 @@ Range range_of(const Grid& grid, Value value) {
     Lanes max = min;
     const auto add = [&](const float* c) {
         const Lanes values = value(c);
-        min = values < min ? values : min;
-        max = max < values ? values : max;
+        min = less(min, values);
+        max = greater(max, values);
     };
     for (int z = 0; z < grid.nz; ++z) {
         for (int y = 0; y < grid.ny; ++y) {
@@ -52,11 +41,7 @@ Range range_of(const Grid& grid, Value value) {
             add(row + grid.nx - lanes); // overlaps the four before, which does no harm
         }
     }
-    Range range{min[0], max[0]};
-    for (int lane = 1; lane < lanes; ++lane) {
-        range = {std::min(range.min, min[lane]), std::max(range.max, max[lane])};
-    }
-    return range;
+    return {least_lane(min), greatest_lane(max)};
 }
 
 Range range_of(const Grid& grid) {

@@ -37,6 +37,8 @@ struct RenderCommand {
     std::optional<double> iso_world;
     Filter filter = Filter::Interpolating;
     double guarantee_voxels = Quality{}.guarantee_voxels;
+    std::optional<double> rate;
+    int rate_factor = Quality{}.rate_factor;
     StorageOptions storage;
     std::optional<int> resolution; // of meshes
     gl::Backend backend = gl::Backend::Auto;
@@ -82,6 +84,14 @@ double guarantee_from(std::string_view text) {
     if (!(size >= 1e-4 && size <= 1))
         throw UsageError(fmt::format("{} does not lie between 0.0001 and 1", text));
     return size;
+}
+
+double rate_from(std::string_view text) {
+    const double rate = number_from(text);
+    // 64: beyond 512 fine samples per voxel float positions do not resolve them.
+    if (!(rate > 0 && rate <= 64))
+        throw UsageError(fmt::format("{} does not lie above 0 and up to 64", text));
+    return rate;
 }
 
 /// A name from the command line: what is wrong with it is wrong with the command.
@@ -228,6 +238,8 @@ void run(const RenderCommand& command, const std::vector<std::filesystem::path>&
     scene.filter = command.filter;
     scene.storage = command.storage;
     scene.quality.guarantee_voxels = command.guarantee_voxels;
+    scene.quality.rate = command.rate;
+    scene.quality.rate_factor = command.rate_factor;
     if (input.is_mesh())
         mesh = read_checked_mesh(input);
     else
@@ -312,6 +324,14 @@ Verb render_verb(CLI::App& program, std::vector<std::filesystem::path> shader_fo
     add_parsed(*app, "--guarantee", command->guarantee_voxels, guarantee_from,
                "No ray passes through more than this of the object unseen [voxels] (default 0.01)")
         ->type_name("SIZE");
+    add_parsed(*app, "--rate", command->rate, rate_from,
+               "Take R samples per voxel instead of certified steps; thin pieces may be missed")
+        ->type_name("R");
+    app->add_option(
+           "--rate-factor", command->rate_factor,
+           "With --rate: N times as many samples within a voxel of the surface (default 1)")
+        ->check(CLI::Range(1, 64))
+        ->type_name("N");
     add_parsed(*app, "--storage", command->storage.format, named<sample_format_from_name>,
                "Samples on the GPU: float32 (default), float16, norm16 (16 bits in even steps)")
         ->type_name("FORMAT");

@@ -126,8 +126,10 @@ void draw_field(FrameContext& frame, FrameImage image, const gl::Program& progra
 }
 
 void run_raycast(FrameContext& frame) {
-    const gl::Program& program =
-        frame.shaders.program(field_program("raycast/raycast.frag", frame.field.pool()));
+    const Quality& quality = frame.scene.quality;
+    gl::ProgramKey key = field_program("raycast/raycast.frag", frame.field.pool());
+    key.defines.emplace("SEARCH", std::to_string(quality.rate ? 1 : 0));
+    const gl::Program& program = frame.shaders.program(key);
     const FieldSource& field = *frame.scene.field;
     const RayCoefficients ray = set_ray_uniforms(program, frame);
     frame.field.bind(program);
@@ -145,10 +147,19 @@ void run_raycast(FrameContext& frame) {
     frame.tiles.lists_texture.bind_to_unit(3);
     frame.tiles.blocks_texture.bind_to_unit(4);
     program.set("u_tile_columns", frame.tiles.columns);
-    program.set("u_guarantee", static_cast<float>(frame.scene.quality.guarantee_voxels));
-    // 2^-20: sixteen roundings of a sum of 64 products, each of at most the greatest value.
-    program.set("u_value_error", 0x1p-20F * frame.field.pool().greatest_value() /
-                                     frame.field.pool().world_from_stored());
+    const float stored_from_world = 1 / frame.field.pool().world_from_stored();
+    if (quality.rate) {
+        program.set("u_fine_step", static_cast<float>(1 / (*quality.rate * quality.rate_factor)));
+        program.set("u_fine_per_coarse", quality.rate_factor);
+        program.set("u_near",
+                    static_cast<float>(quality.near_voxels * field.space().voxel_size_world()) *
+                        stored_from_world);
+    } else {
+        program.set("u_guarantee", static_cast<float>(quality.guarantee_voxels));
+        // 2^-20: sixteen roundings of a sum of 64 products, each of at most the greatest value.
+        program.set("u_value_error",
+                    0x1p-20F * frame.field.pool().greatest_value() * stored_from_world);
+    }
     program.set("u_world_from_index",
                 Eigen::Matrix3f(field.space().world_from_index.linear().cast<float>()));
     draw_field(frame, FrameImage::Hit, program);

@@ -21,6 +21,8 @@ Renderer::Renderer(gl::Context& context, const std::filesystem::path& shader_fol
 void Renderer::load(Scene scene, const Progress& progress) {
     if (!scene.field) throw InputError("the scene has no field");
     const float iso = static_cast<float>(scene.iso_world);
+    if (scene.quality.rate && scene.quality.rate_factor < 1)
+        throw InputError("the factor between two sampling rates must be at least 1");
     // The old field goes first, so that both are never in memory.
     field_ = {};
     control_ = control_samples(scene.field, scene.filter, progress);
@@ -28,6 +30,9 @@ void Renderer::load(Scene scene, const Progress& progress) {
     active_ = active_pages(ranges_, iso);
     field_ = FieldOnGpu(*scene.field, *control_, kernel_of(scene.filter), ranges_, active_, iso,
                         scene.storage, progress);
+    // Refining a hit reads the block before as well, which may be gone by then.
+    if (scene.quality.rate && !field_.pool().holds_all())
+        throw ResourceError("sampling at a rate needs all bricks in the texture budget");
     surface_box_ = find_surface_box(*control_, ranges_, active_, iso);
     scene_ = std::move(scene);
     context_.throw_pending_error();

@@ -7,6 +7,7 @@
 #include "volume/field_source.h"
 
 #include <memory>
+#include <optional>
 
 namespace isocast {
 
@@ -29,6 +30,11 @@ struct Light {
 /// How rays search.
 struct Quality {
     double guarantee_voxels = 0.01; // the longest stretch inside the object that a ray may miss
+    /// Instead of certified steps, samples at this rate r0 [1/voxel] (thesis section 6.3.3), and
+    /// at rate_factor times it where the value is nearer to iso than near_voxels [of slope one].
+    std::optional<double> rate;
+    int rate_factor = 1;
+    double near_voxels = 1;
 };
 
 struct Scene {

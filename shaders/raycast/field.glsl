@@ -2,13 +2,25 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "raycast/blocks.glsl"
 
-uniform float u_world_from_stored; // what a stored unit is
+// Value minus iso [stored units]; in blocks that hold no surface, something on the side of `side`.
+float field_value(vec3 p_local, float side) {
+    uint word = word_at(block_of(p_local));
+    float value = side;
+    bool is_stored = is_active(word);
+    while (is_stored) {
+        Block b = fetch_block(int(word & word_number));
+        Cell c = cell_of(b.address, b.scale, p_local - (u_table_lo + b.lo));
+        value = tricubic_value_and_slope(c.address, c.a, vec3(0.0)).x;
+        is_stored = b.scale < 0.0; // never
+    }
+    return value;
+}
 
-// Gradient [world/voxel], index space; zero in blocks that hold no surface.
+// Gradient [stored units/voxel], index space; zero in blocks that hold no surface.
 vec3 field_gradient(vec3 p_local) {
     uint word = word_at(block_of(p_local));
     if (!is_active(word)) return vec3(0.0);
     Block b = fetch_block(int(word & word_number));
     Cell c = cell_of(b.address, b.scale, p_local - (u_table_lo + b.lo));
-    return u_world_from_stored * b.scale * tricubic_gradient(c.address, c.a);
+    return b.scale * tricubic_gradient(c.address, c.a);
 }

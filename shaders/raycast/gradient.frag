@@ -9,6 +9,7 @@
 layout(binding = 3) uniform sampler2D t_hit;
 uniform mat3 u_index_from_world;
 uniform vec3 u_eye_local;
+uniform float u_world_from_stored; // what a stored unit is
 
 out vec4 o_gradient; // world axes; w 1 on a hit
 
@@ -29,7 +30,7 @@ void main() {
     // is computed, or the compiler would see that it runs but once.
     bool is_waiting = hit.w != 0.0;
     while (is_waiting) {
-        vec3 gradient_index = field_gradient(p_local);
+        vec3 gradient_index = u_world_from_stored * field_gradient(p_local);
         // Inverse transpose of world_from_index: voxels need not be cubes.
         o_gradient = vec4(transpose(u_index_from_world) * gradient_index, 1.0);
         is_waiting = o_gradient.w < hit.w - 1e3; // never

@@ -1,16 +1,11 @@
 // The search for a ray's first hit in one block, by steps that provably pass no surface.
 // SPDX-License-Identifier: MPL-2.0
 // proof  docs/raycasting.md
-#include "raycast/blocks.glsl"
+#include "raycast/parts.glsl"
 
 // 1e-5: hits are located to this along the ray [voxels]; float coordinates of 100 voxels are
 // 4e-6 apart.
 const float tolerance = 1e-5;
-
-// 1 / direction; a zero component counts as a tiny positive one: its planes are never reached.
-vec3 inverse_of(vec3 direction) {
-    return 1.0 / mix(direction, vec3(1e-30), equal(direction, vec3(0.0))); // 1e-30: 1/x is finite
-}
 
 // The first point from s on, s_out at most, that lies in a part which can hold the surface.
 //
@@ -64,11 +59,18 @@ struct Accuracy {
     float value_error; // of an evaluated value [stored units]
 };
 
+uniform float u_guarantee;
+uniform float u_value_error;
+
+Accuracy accuracy_of_frame() { return Accuracy(u_guarantee, u_value_error); }
+
 // Looks for the first root from s = 0 to s_out; s becomes the root's place, or s_out at least.
 //
-// side  on which the ray started: +1 outside, -1 inside, 0 not known yet
-bool find_hit(Block b, Accuracy accuracy, vec3 p_in, vec3 d, vec3 inverse, float s_out,
+// point  where t is 0, from the table's corner; t_in: where s is 0
+// side   on which the ray started: +1 outside, -1 inside, 0 not known yet
+bool find_hit(Block b, Accuracy accuracy, vec3 point, float t_in, vec3 d, vec3 inverse, float s_out,
               inout float side, inout float s) {
+    vec3 p_in = (point - b.lo) + t_in * d;
     s = next_part(p_in, d, inverse, b.parts, 0.0, s_out);
     float lo = s; // the last point known to lie before the surface; then the bracket of its root
     float hi = s;

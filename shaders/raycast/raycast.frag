@@ -3,13 +3,18 @@
 // SPDX-License-Identifier: MPL-2.0
 #version 450 core
 #include "common/ray.glsl"
+// SEARCH 0: certified steps, 1: samples at a rate.
+#if SEARCH == 0
 #include "raycast/march.glsl"
+#elif SEARCH == 1
+#include "raycast/sampled.glsl"
+#else
+#error unknown SEARCH
+#endif
 #if IS_STREAMED
 #include "raycast/stream.glsl"
 #endif
 
-uniform float u_guarantee;   // longest stretch inside the object that a ray may pass [voxels]
-uniform float u_value_error; // of an evaluated value [stored units]
 uniform mat3 u_world_from_index;
 // The field is defined between these [local index coordinates]; the rays end there.
 uniform vec3 u_extent_lo;
@@ -44,7 +49,7 @@ void main() {
     uint word = word_at(block_of(ray.point + range.x * d));
     float side = is_active(word) ? 0.0 : (word & word_inside) != 0u ? -1.0 : 1.0;
 
-    Accuracy accuracy = Accuracy(u_guarantee, u_value_error);
+    Accuracy accuracy = accuracy_of_frame();
     vec3 point = ray.point - u_table_lo;
     mat3 world_from_index = u_world_from_index;
     ivec2 tile = ivec2(gl_FragCoord.xy) >> 2;
@@ -72,9 +77,9 @@ void main() {
 #endif
         vec2 segment = clip_to_box(point, inverse, b.lo, b.lo + block_size);
         segment = vec2(max(segment.x, range.x), min(segment.y, range.y));
-        vec3 p_in = (point - b.lo) + segment.x * d;
         float s;
-        bool is_hit = find_hit(b, accuracy, p_in, d, inverse, segment.y - segment.x, side, s);
+        bool is_hit = find_hit(b, accuracy, point, segment.x, d, inverse,
+                               segment.y - segment.x, side, s);
         if (is_hit) o_hit = vec4(world_from_index * (ray.from_eye + (segment.x + s) * d), 1.0);
         i = is_hit ? end : i + 1;
     }

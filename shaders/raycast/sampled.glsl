@@ -1,0 +1,73 @@
+// The search for a ray's first hit in one block by samples at a rate: what lies between two of them
+// is not known (thesis sections 6.3.3 and 6.3.4).
+// SPDX-License-Identifier: MPL-2.0
+#include "raycast/parts.glsl"
+#include "raycast/field.glsl"
+
+// Samples lie at t = k * fine_step, k an integer, whatever the blocks and bricks.
+struct Accuracy {
+    float fine_step; // 1 / r1 [voxels]
+    int per_coarse;  // n: r1 = n r0; a step is n fine ones where |value| is at least `near`
+    float near;      // delta [stored units]
+};
+
+uniform float u_fine_step;
+uniform int u_fine_per_coarse;
+uniform float u_near;
+
+Accuracy accuracy_of_frame() { return Accuracy(u_fine_step, u_fine_per_coarse, u_near); }
+
+// The root between t_lo, on the ray's side, and t_hi: regula falsi (eq. 6.4) that halves the value of
+// an end which stays, and bisection where that leaves the bracket wide.
+float refine(vec3 point, vec3 d, float side, float t_lo, float t_hi, float value_hi) {
+    float value_lo = -value_hi; // not known: the first guess is the middle
+    int stayed = 0;
+    for (int i = 0; i < 12 && t_hi - t_lo > 1e-5; ++i) { // 1e-5 voxel, as of certified hits
+        float t = (i & 3) == 3 ? 0.5 * (t_lo + t_hi)
+                               : t_lo + (t_hi - t_lo) * (value_lo / (value_lo - value_hi));
+        float value = side * field_value(point + t * d, side);
+        if (value > 0.0 || value == 0.0 && side > 0.0) {
+            t_lo = t;
+            value_lo = value;
+            value_hi = stayed == 1 ? 0.5 * value_hi : value_hi;
+            stayed = 1;
+        } else {
+            t_hi = t;
+            value_hi = value;
+            value_lo = stayed == -1 ? 0.5 * value_lo : value_lo;
+            stayed = -1;
+        }
+    }
+    return t_lo + (t_hi - t_lo) * (value_lo / (value_lo - value_hi));
+}
+
+// Looks at the samples from s = 0 to s_out; s becomes the root's place, maybe in the block before.
+//
+// point  where t is 0, from the table's corner; t_in: where s is 0
+// side   on which the ray started: +1 outside, -1 inside, 0 not known yet
+bool find_hit(Block b, Accuracy accuracy, vec3 point, float t_in, vec3 d, vec3 inverse, float s_out,
+              inout float side, inout float s) {
+    vec3 p_in = (point - b.lo) + t_in * d;
+    int n = accuracy.per_coarse;
+    int k = int(ceil(t_in / accuracy.fine_step));
+    s = max(float(k) * accuracy.fine_step - t_in, 0.0);
+    bool is_hit = false;
+    bool is_marching = s < s_out;
+    while (is_marching) {
+        Cell c = cell_of(b.address, b.scale, p_in + s * d);
+        float f = tricubic_value_and_slope(c.address, c.a, d).x;
+        if (side == 0.0) side = f < 0.0 ? -1.0 : 1.0;
+        is_hit = (f < 0.0) != (side < 0.0);
+        if (is_hit) {
+            float t = t_in + s;
+            float before = t - float(n) * accuracy.fine_step;
+            s = refine(point + u_table_lo, d, side, before, t, side * f) - t_in;
+        } else {
+            // To the next sample, fine or coarse; n may not divide k after fine steps.
+            k = abs(f) < accuracy.near ? k + 1 : (k >= 0 ? k / n + 1 : -((-k - 1) / n)) * n;
+            s = float(k) * accuracy.fine_step - t_in;
+        }
+        is_marching = !is_hit && s < s_out;
+    }
+    return is_hit;
+}

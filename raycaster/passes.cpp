@@ -204,6 +204,17 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
 
 std::vector<gl::ProgramKey> all_programs() {
     std::vector<gl::ProgramKey> keys{blinn_phong_program};
+    for (const Fetch fetch : {Fetch::Rows, Fetch::Samples}) {
+        for (const Kernel kernel : {Kernel::Linear, Kernel::BSpline, Kernel::CatmullRom}) {
+            // Strides and the zero of the samples are numbers, which no #if looks at: those of the
+            // default storage stand for all.
+            std::map<std::string, std::string> defines = BrickPool().defines();
+            defines["FETCH"] = std::to_string(static_cast<int>(fetch));
+            defines["KERNEL"] = std::to_string(static_cast<int>(kernel));
+            for (const char* shader : {"raycast/raycast.frag", "raycast/gradient.frag"})
+                keys.push_back({{"common/tiles.vert", shader}, defines});
+        }
+    }
     return keys;
 }
 

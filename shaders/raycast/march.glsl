@@ -42,29 +42,19 @@ float next_part(vec3 p_in, vec3 d, vec3 inverse, uvec2 parts, float s, float s_o
     return min(s, s_out);
 }
 
-// How far from a point there is no root, forward and back along the ray: no nearer than where the
-// steepest line or the parabola that bends most comes down to zero. The bend is known in near cells
-// only: a ray that leaves them climbs to `near` and falls from there; from afar it falls alone.
+// How far from a point there is no root: no nearer than where the steepest line or the parabola that
+// bends most comes down to zero. The bend is known in near cells only: a ray that leaves them climbs
+// to `near` and falls from there; from afar it falls alone.
 //
 // value  at least 0: less its own error
-struct Reach {
-    float forward;
-    float back;
-};
-
-Reach reach_of(Block b, float value, float slope) {
+float safe_step(Block b, float value, float slope) {
     float speed = abs(slope);
     float q = sqrt(slope * slope + 2.0 * b.bend * value) + speed;
-    float falling = 2.0 * value / (q + 1e-30); // 1e-30: not 0 / 0
-    float rising = q * b.inverse_bend;
-    float down = slope <= 0.0 ? falling : rising;
-    float up = slope <= 0.0 ? rising : falling;
+    float second = slope <= 0.0 ? 2.0 * value / (q + 1e-30) : q * b.inverse_bend; // 1e-30: not 0 / 0
     float first = value * b.inverse_slope;
     float detour = (2.0 * b.near - value) * b.inverse_slope;
-    down = down < detour ? down : detour;
-    up = up < detour ? up : detour;
-    bool is_near = value < b.near;
-    return Reach(is_near && down > first ? down : first, is_near && up > first ? up : first);
+    second = second < detour ? second : detour;
+    return value < b.near && second > first ? second : first;
 }
 
 // What a search keeps to. Uniforms are read once, before any loop: some compilers read them anew in
@@ -74,30 +64,17 @@ struct Accuracy {
     float value_error; // of an evaluated value [stored units]
 };
 
-// A point of the ray that was looked at: its place, value and slope, and up to where there is no
-// root before and behind it; or, if the point lies behind a root, up to where there is no other.
-struct Look {
-    float s;
-    float value;
-    float slope;
-    float sure_before;
-    float sure_behind;
-};
-
 // Looks for the first root from s = 0 to s_out; s becomes the root's place, or s_out at least.
 //
 // side  on which the ray started: +1 outside, -1 inside, 0 not known yet
 bool find_hit(Block b, Accuracy accuracy, vec3 p_in, vec3 d, vec3 inverse, float s_out,
               inout float side, inout float s) {
-    float sure = next_part(p_in, d, inverse, b.parts, 0.0, s_out); // there is no root before it
-    s = sure;
+    s = next_part(p_in, d, inverse, b.parts, 0.0, s_out);
     float lo = s; // the last point known to lie before the surface; then the bracket of its root
     float hi = s;
     bool is_bracketed = false;
     bool is_hit = false;
     int tries = 0;
-    bool has_ahead = false; // a look too far ahead: not yet known what lies before it
-    Look ahead = Look(0.0, 0.0, 0.0, 0.0, 0.0);
     bool is_marching = s < s_out;
     while (is_marching) {
         Cell c = cell_of(b.address, b.scale, p_in + s * d);
@@ -105,69 +82,37 @@ bool find_hit(Block b, Accuracy accuracy, vec3 p_in, vec3 d, vec3 inverse, float
         if (side == 0.0) side = f.x < 0.0 ? -1.0 : 1.0;
         // Values times `side` are positive before the surface.
         bool has_crossed = (f.x < 0.0) != (side < 0.0);
-        Look now = Look(s, side * f.x, side * f.y, 0.0, 0.0);
+        float value = side * f.x;
+        float slope = side * f.y;
         if (is_bracketed) {
             hi = has_crossed ? s : hi;
             lo = has_crossed ? lo : s;
         } else {
-            float value = now.value - accuracy.value_error;
-            value = value > 0.0 ? value : 0.0;
-            Reach reach = reach_of(b, value, now.slope);
-            // Behind a root: all the way back the function falls, or takes a detour.
-            float falls = now.slope < 0.0 ? -now.slope * b.inverse_bend : 0.0;
-            float detour = 2.0 * b.near * b.inverse_slope;
-            falls = falls < detour ? falls : detour;
-            now.sure_before = s - (has_crossed ? falls : reach.back);
-            float forward = reach.forward > accuracy.guarantee ? reach.forward : accuracy.guarantee;
-            now.sure_behind = s + forward;
-
-            bool is_joined = s <= sure || now.sure_before <= sure;
-            if (is_joined && !has_crossed) {
-                lo = s;
-                sure = now.sure_behind > sure ? now.sure_behind : sure;
-                if (has_ahead && ahead.sure_before <= sure) {
-                    has_ahead = false;
-                    now = ahead;
-                    has_crossed = now.value < 0.0;
-                    s = now.s;
-                    if (!has_crossed) {
-                        lo = s;
-                        sure = now.sure_behind > sure ? now.sure_behind : sure;
-                    }
-                }
-            }
+            float sure = value - accuracy.value_error;
+            float safe = safe_step(b, sure > 0.0 ? sure : 0.0, slope);
             // A root before `latest` for sure, and only one, if the opposite parabola falls.
-            float above = now.value + accuracy.value_error;
-            float fall = now.slope * now.slope - 2.0 * b.bend * above;
-            float latest = s + 2.0 * above / (sqrt(fall > 0.0 ? fall : 0.0) - now.slope);
-            bool is_near = above < b.near && now.slope < 0.0 && fall > 0.0 && latest <= s_out;
-            if (!is_joined) {
-                has_ahead = true;
-                ahead = now;
-            }
-            is_bracketed = is_joined && (has_crossed || is_near && !has_ahead);
-            if (is_bracketed) {
-                hi = has_crossed ? s : latest;
-            } else if (has_ahead) {
-                s = 0.5 * (sure + ahead.sure_before);
-            } else {
-                // Boldly to where the surface may be; looking back will show whether that was sure.
-                float target = s - now.value / now.slope;
-                bool is_bold = now.slope < 0.0 && now.value < 2.0 * b.near && target < s_out;
-                sure = next_part(p_in, d, inverse, b.parts, sure, s_out);
-                is_marching = sure < s_out;
-                s = is_bold && target > sure ? target : sure;
+            float above = value + accuracy.value_error;
+            float fall = slope * slope - 2.0 * b.bend * above;
+            float latest = s + 2.0 * above / (sqrt(fall > 0.0 ? fall : 0.0) - slope);
+            bool is_near = above < b.near && slope < 0.0 && fall > 0.0 && latest <= s_out;
+            is_bracketed = has_crossed || is_near;
+            hi = has_crossed ? s : latest;
+            lo = has_crossed ? lo : s;
+            if (!is_bracketed) {
+                s = next_part(p_in, d, inverse, b.parts,
+                              s + (safe > accuracy.guarantee ? safe : accuracy.guarantee), s_out);
+                is_marching = s < s_out;
             }
         }
         if (is_bracketed) {
             // Newton's step where it stays in the bracket, else its middle.
-            float newton = -now.value / now.slope;
+            float newton = -value / slope;
             float next = s + newton;
             ++tries;
-            bool is_newton = now.slope < 0.0 && next >= lo && next <= hi && tries < 8;
+            bool is_newton = slope < 0.0 && next >= lo && next <= hi && tries < 8;
             next = is_newton ? next : 0.5 * (lo + hi);
             // Newton's error: half the bend times the step squared, over the slope.
-            float bent = -0.5 * b.bend * newton * newton / now.slope;
+            float bent = -0.5 * b.bend * newton * newton / slope;
             float error = bent < abs(newton) ? bent : abs(newton);
             s = next;
             is_hit = is_newton && error <= tolerance || hi - lo <= tolerance;

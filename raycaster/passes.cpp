@@ -66,8 +66,8 @@ void draw_tiles(const FrameContext& frame, FrameImage image, const gl::Program& 
     set_fixed_state();
     frame.no_vertices.bind();
     frame.tiles.runs_texture.bind_to_unit(7);
-    program.set("u_clip_from_tile", Eigen::Vector2f(2.0F * tile_size / float(frame.width),
-                                                    2.0F * tile_size / float(frame.height)));
+    program.set("u_clip_from_tile", Eigen::Vector2f(2.0F * tile_pixels / float(frame.width),
+                                                    2.0F * tile_pixels / float(frame.height)));
     program.use();
     glDrawArrays(GL_TRIANGLES, 0, 6 * frame.tiles.run_count);
 }

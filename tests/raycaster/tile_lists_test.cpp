@@ -67,7 +67,7 @@ int expect_complete_and_ordered(const Blocks& blocks, const GridSpace& space, co
         for (int x = 0; x < width; ++x) {
             const Ray ray = camera_ray(camera, width, height, x + 0.5, y + 0.5);
             // Tiles go from the bottom row up.
-            const int tile = x / tile_size + tiles.width * ((height - 1 - y) / tile_size);
+            const int tile = x / tile_pixels + tiles.width * ((height - 1 - y) / tile_pixels);
             const Eigen::Vector2i list = tiles.lists[static_cast<std::size_t>(tile)];
             std::vector<bool> is_listed(blocks.coordinates.size());
             double t_before = 0;

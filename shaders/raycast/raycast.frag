@@ -42,7 +42,9 @@ void main() {
     range.x = max(range.x, ray.t_start);
 
     // On which side the ray starts; not known yet if it does in an active block.
-    uint word = word_at(block_of(ray.point + range.x * d));
+    // Rounding must not lead out of the field: beyond its extent the table knows nothing.
+    vec3 start = clamp(ray.point + range.x * d, u_extent_lo, u_extent_hi);
+    uint word = word_at(block_of(start));
     float side = is_active(word) ? 0.0 : (word & word_inside) != 0u ? -1.0 : 1.0;
 
     Accuracy accuracy = Accuracy(u_guarantee, u_value_error);

@@ -396,6 +396,15 @@ TEST_F(Certified, NothingIsMissedOfWhiteNoise) {
     }
 }
 
+TEST_F(Certified, RaysThatEnterTheFieldInsideTheObjectSeeNoSurfaceThere) {
+    // Rounding once put the place where they enter into a block beyond the field, whose sign was
+    // that of its page's first sample.
+    for (unsigned seed = 11; seed <= 14; ++seed) {
+        const Verdict v = judge(subject_of(smooth_noise(40, seed)), oblique_cameras(40, seed, 2));
+        EXPECT_GT(v.certain, 3000);
+    }
+}
+
 TEST_F(Certified, NothingIsMissedByTheOtherFilters) {
     constexpr int n = 32;
     for (const HardField& field : hard_fields(n, 6)) {

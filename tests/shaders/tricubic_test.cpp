@@ -52,11 +52,7 @@ std::vector<Setting> settings() {
         for (const Fetch fetch : {Fetch::Rows, Fetch::Samples})
             for (const SampleFormat format :
                  {SampleFormat::Float32, SampleFormat::Float16, SampleFormat::Norm16})
-                all.push_back({kernel, {fetch, format, 8 << all.size() % 3}});
-    // 18 is a multiple of 3: the other kernels and formats with the other sizes.
-    all.push_back({Kernel::BSpline, {Fetch::Rows, SampleFormat::Float32, 8}});
-    all.push_back({Kernel::BSpline, {Fetch::Rows, SampleFormat::Float32, 16}});
-    all.push_back({Kernel::BSpline, {Fetch::Samples, SampleFormat::Norm16, 16}});
+                all.push_back({kernel, {fetch, format, 8 << (all.size() + all.size() / 3) % 3}});
     return all;
 }
 
@@ -177,7 +173,7 @@ void Tricubic::expect_equal_to_twin(const FieldSource& field, float iso) {
             worst_slope,
             std::abs(slope - jet.gradient.dot(probes[i].direction.head<3>().cast<double>())));
     }
-    EXPECT_GT(count, 2000);
+    EXPECT_GT(count, 1500);
     const auto in_units = [&](double error) {
         return std::to_string(error / (0x1p-20 * pool.greatest_value()));
     };

@@ -67,8 +67,8 @@ void draw_on_tiles(const FrameContext& frame, const gl::Program& program) {
     frame.no_vertices.bind();
     frame.tiles.runs_texture.bind_to_unit(7);
     program.set("u_clip_from_tile",
-                Eigen::Vector2f(2.0F * tile_size / static_cast<float>(frame.width),
-                                2.0F * tile_size / static_cast<float>(frame.height)));
+                Eigen::Vector2f(2.0F * tile_pixels / static_cast<float>(frame.width),
+                                2.0F * tile_pixels / static_cast<float>(frame.height)));
     program.use();
     glDrawArrays(GL_TRIANGLES, 0, 6 * frame.tiles.run_count);
 }
@@ -268,6 +268,25 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
 
 std::vector<gl::ProgramKey> all_programs() {
     std::vector<gl::ProgramKey> keys{blinn_phong_program};
+    for (const Fetch fetch : {Fetch::Rows, Fetch::Samples}) {
+        for (const Kernel kernel : {Kernel::Linear, Kernel::BSpline, Kernel::CatmullRom}) {
+            // Strides and the zero of the samples are numbers, which no #if looks at: those of the
+            // default storage stand for all.
+            std::map<std::string, std::string> defines = BrickPool().defines();
+            defines["FETCH"] = std::to_string(static_cast<int>(fetch));
+            defines["KERNEL"] = std::to_string(static_cast<int>(kernel));
+            for (const int is_streamed : {0, 1}) {
+                defines["IS_STREAMED"] = std::to_string(is_streamed);
+                keys.push_back({{"common/tiles.vert", "raycast/gradient.frag"}, defines});
+                for (const int search : {0, 1}) {
+                    if (search == 1 && is_streamed == 1) continue; // Renderer::load refuses
+                    std::map<std::string, std::string> with_search = defines;
+                    with_search["SEARCH"] = std::to_string(search);
+                    keys.push_back({{"common/tiles.vert", "raycast/raycast.frag"}, with_search});
+                }
+            }
+        }
+    }
     return keys;
 }
 

@@ -84,7 +84,8 @@ struct FrameContext {
 /// Every pass there is, in dataflow order. They refer to `frame`, which must outlive them.
 std::vector<Pass> declare_passes(FrameContext& frame);
 
-/// Every program that the passes can ask for; for the test that compiles them all.
+/// Every program that the passes can ask for, up to its strides; for the test that compiles them
+/// all.
 std::vector<gl::ProgramKey> all_programs();
 
 /// The format of each frame image.

@@ -2,7 +2,6 @@
 #include "raycaster/renderer.h"
 
 #include "gl/timer.h"
-#include "raycaster/bounding_faces.h"
 #include "volume/errors.h"
 
 #include <fmt/format.h>

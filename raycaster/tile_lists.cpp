@@ -26,16 +26,16 @@ class Viewer {
 public:
     Viewer(const GridSpace& space, const Camera& camera, int width, int height)
         : is_perspective_(camera.projection == Projection::Perspective),
-          columns_((width + tile_size - 1) / tile_size),
-          rows_((height + tile_size - 1) / tile_size), centre_x_(width / 2.0 / tile_size),
-          centre_y_(height / 2.0 / tile_size) {
+          columns_((width + tile_pixels - 1) / tile_pixels),
+          rows_((height + tile_pixels - 1) / tile_pixels), centre_x_(width / 2.0 / tile_pixels),
+          centre_y_(height / 2.0 / tile_pixels) {
         const Mat3d rotation = camera.view_from_world_rotation();
         view_from_index_ = rotation * space.world_from_index.linear();
         offset_view_ = rotation * (space.world_from_index.translation() - camera.eye_world);
         const double half_height = is_perspective_
                                        ? std::tan(camera.fov_y_degrees * std::numbers::pi / 360)
                                        : camera.height_world / 2;
-        tiles_per_unit_ = height / 2.0 / half_height / tile_size;
+        tiles_per_unit_ = height / 2.0 / half_height / tile_pixels;
         eye_block_ = (space.to_index(camera.eye_world) / block_size).array().floor().matrix();
         const Vec3d forward_index = view_from_index_.inverse() * Vec3d(0, 0, -1);
         forward_sign_ = forward_index.array().sign().matrix();
@@ -156,7 +156,7 @@ TileLists list_blocks(const BlockRanges& ranges, const std::vector<ActivePage>& 
                       [](const SeenBlock& block) { return std::pair(block.order, block.number); });
 
     TileLists tiles{
-        (width + tile_size - 1) / tile_size, (height + tile_size - 1) / tile_size, {}, {}};
+        (width + tile_pixels - 1) / tile_pixels, (height + tile_pixels - 1) / tile_pixels, {}, {}};
     tiles.lists.assign(static_cast<std::size_t>(tiles.width * tiles.height),
                        Eigen::Vector2i::Zero());
     const auto for_each_tile = [&](const TileBox& box, int y_lo, int y_hi, auto visit) {

@@ -10,8 +10,8 @@
 
 namespace isocast {
 
-/// Edge of a tile [pixels].
-inline constexpr int tile_size = 4;
+/// Edge of a tile of the picture.
+inline constexpr int tile_pixels = 4;
 
 /// Tiles go from the bottom row up, like gl_FragCoord.
 struct TileLists {

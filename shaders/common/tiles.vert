@@ -1,7 +1,7 @@
 // The tiles of the picture in which there can be something, in runs along x: two triangles for each
 // run, no vertex attributes.
 // SPDX-License-Identifier: MPL-2.0
-// twin  raycaster/tile_bounds.cpp
+// twin  raycaster/tile_lists.cpp
 #version 450 core
 
 layout(binding = 7) uniform isamplerBuffer t_runs; // x of the first tile and past the last, y, 0

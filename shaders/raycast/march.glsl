@@ -101,9 +101,14 @@ bool find_hit(Block b, Accuracy accuracy, vec3 point, float t_in, vec3 d, vec3 i
             hi = has_crossed ? s : latest;
             lo = has_crossed ? lo : s;
             if (!is_bracketed) {
-                s = next_part(p_in, d, inverse, b.parts,
-                              s + (safe > accuracy.guarantee ? safe : accuracy.guarantee), s_out);
-                is_marching = s < s_out;
+                // A step by the guarantee alone may pass a root: it ends with a look, at the latest
+                // where the ray leaves the block; else what comes next would find the ray inside,
+                // and take the place where it starts for the root's.
+                bool is_sure = safe >= accuracy.guarantee;
+                float next = s + (is_sure ? safe : accuracy.guarantee);
+                is_marching = !is_sure && s < s_out;
+                s = is_sure ? next_part(p_in, d, inverse, b.parts, next, s_out) : min(next, s_out);
+                is_marching = is_marching || s < s_out;
             }
         }
         if (is_bracketed) {

@@ -42,15 +42,22 @@ void main() {
     Ray ray = pixel_ray(gl_FragCoord.xy);
     vec3 d = ray.direction;
     vec3 inverse = inverse_of(d);
-    vec2 range = clip_to_box(ray.point, inverse, u_extent_lo, u_extent_hi);
+    // Along an axis on which the ray does not move, the middle of its cell stands for its place: in a
+    // face between two blocks it is in the upper one alone, all along.
+    bvec3 is_still = equal(d, vec3(0.0));
+    vec2 range = clip_to_box(mix(ray.point, floor(ray.point) + 0.5, is_still), inverse, u_extent_lo,
+                             u_extent_hi);
     range.x = max(range.x, ray.t_start);
 
     // On which side the ray starts; not known yet if it does in an active block.
-    uint word = word_at(block_of(ray.point + range.x * d));
+    // Rounding must not lead out of the field: beyond its extent the table knows nothing.
+    vec3 start = clamp(ray.point + range.x * d, u_extent_lo, u_extent_hi);
+    uint word = word_at(block_of(start));
     float side = is_active(word) ? 0.0 : (word & word_inside) != 0u ? -1.0 : 1.0;
 
     Accuracy accuracy = accuracy_of_frame();
     vec3 point = ray.point - u_table_lo;
+    vec3 place = mix(point, floor(point) + 0.5, is_still);
     mat3 world_from_index = u_world_from_index;
     ivec2 tile = ivec2(gl_FragCoord.xy) >> 2;
     ivec2 list = texelFetch(t_tiles, tile.x + u_tile_columns * tile.y).rg;
@@ -75,7 +82,7 @@ void main() {
             break;
         }
 #endif
-        vec2 segment = clip_to_box(point, inverse, b.lo, b.lo + block_size);
+        vec2 segment = clip_to_box(place, inverse, b.lo, b.lo + block_size);
         segment = vec2(max(segment.x, range.x), min(segment.y, range.y));
         float s;
         bool is_hit = find_hit(b, accuracy, point, segment.x, d, inverse,

@@ -195,7 +195,7 @@ TEST_F(RefusedOption, NumberThatDoesNotParseWhole) {
          {"--voxel-size", "--resolution", "--band", "--band-world", "--threads"})
         expect(2, isocast({"convert", "mesh:knot", "-o", out("a.vdb"), option, "12abc"}),
                {option, "12abc"});
-    for (const char* option : {"--iso", "--rate", "--repeat", "--resolution", "--size"})
+    for (const char* option : {"--iso", "--guarantee", "--repeat", "--resolution", "--size"})
         expect(2, isocast({"render", "mesh:knot", "-o", out("a.png"), option, "12abc"}),
                {option, "12abc"});
 }
@@ -207,6 +207,17 @@ TEST_F(RefusedOption, PictureSize) {
     // 16384 is the most that any known driver draws at once.
     expect(3, isocast({"render", "field:torus@16", "-o", out("a.png"), "--size", "1000000x16"}),
            {"1000000x16", "16384"});
+}
+
+TEST_F(RefusedOption, GuaranteeThatNoRayCanKeep) {
+    for (const char* size : {"0", "-1", "0.00009", "1.1"})
+        expect(2, isocast({"render", "field:torus@16", "-o", out("a.png"), "--guarantee", size}),
+               {"--guarantee", "0.0001 and 1"});
+}
+
+TEST_F(RefusedOption, UnknownFilter) {
+    expect(2, isocast({"render", "field:torus@16", "-o", out("a.png"), "--filter", "cubic"}),
+           {"--filter", "cubic", "linear", "bspline", "interpolating", "exact", "catmull-rom"});
 }
 
 TEST_F(RefusedOption, UnknownOption) {

@@ -11,6 +11,7 @@
 #include <ImfInputFile.h>
 #include <ImfMatrixAttribute.h>
 #include <ImfStringAttribute.h>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -102,7 +103,7 @@ TEST(Render, ExplainNamesEveryPass) {
     const TemporaryFolder folder;
     const std::string text = checked_output(
         isocast(render("field:torus@16", folder / "a.png", {"--explain", "--repeat", "3"})));
-    for (const char* name : {"asked by", "bounds", "raycast", "gradient", "shading", "output"})
+    for (const char* name : {"asked by", "raycast", "gradient", "shading", "output"})
         EXPECT_NE(text.find(name), std::string::npos) << text;
 }
 
@@ -140,8 +141,7 @@ TEST(Render, ExrHoldsTheDocumentedChannelsAndAttributes) {
     EXPECT_EQ(header.compression(), Imf::ZIP_COMPRESSION);
     EXPECT_EQ(header.typedAttribute<Imf::FloatAttribute>("iso").value(), 0.0625f);
     EXPECT_GT(header.typedAttribute<Imf::FloatAttribute>("voxelSize").value(), 0);
-    EXPECT_EQ(header.typedAttribute<Imf::StringAttribute>("filter").value(),
-              "cubic B-spline, smoothing");
+    EXPECT_EQ(header.typedAttribute<Imf::StringAttribute>("filter").value(), "interpolating");
     EXPECT_FALSE(header.typedAttribute<Imf::StringAttribute>("glRenderer").value().empty());
     EXPECT_TRUE(header.findTypedAttribute<Imf::M44fAttribute>("worldToCamera"));
     EXPECT_TRUE(header.findTypedAttribute<Imf::M44fAttribute>("worldToNDC"));
@@ -180,10 +180,9 @@ TEST_P(RenderedSphere, PositionsDepthsAndNormalsAgreeWithItsEquation) {
             ++hits;
             const Vec3d p = exr.vector("P", i);
             const Jet jet = sphere.jet(p);
-            // The smoothing B-spline adds h^2/6 of the Laplacian, which is 2/r for a distance: the
-            // surface lies h^2/3 inside the unit sphere. 1e-4 voxels: terms of (h/r)^3 = 3e-4, of
-            // which 4e-5 were measured.
-            EXPECT_NEAR(jet.value / voxel, -voxel / 3, 1e-4);
+            // The interpolating B-spline errs by terms of fourth order, (h/r)^3 = 3e-4 voxels times
+            // a small factor.
+            EXPECT_NEAR(jet.value / voxel, 0, 1e-4);
             // 1e-6, an angle of 0.08 degrees: by symmetry the error is of order (h/r)^4 = 2e-5 rad
             // of angle times a small factor, and float32.
             EXPECT_GT(exr.vector("N", i).dot(jet.gradient.normalized()), 1 - 1e-6);
@@ -211,6 +210,78 @@ TEST(Render, FieldThatNeverCrossesTheIsoValueIsBackgroundAndAWarning) {
     EXPECT_EQ(json["bricks"]["active"], 0);
     const ExrFile exr(folder / "a.exr");
     for (const float alpha : exr.channels.at("A")) EXPECT_EQ(alpha, 0);
+}
+
+TEST(Render, FiltersDifferAsTheyShould) {
+    const TemporaryFolder folder;
+    // The sphere's radius as each filter sees it, from the least depth: the eye is far, in the
+    // middle.
+    const auto radius = [&](const std::string& filter) {
+        const std::string path = folder / "a.exr";
+        checked_output(isocast(render(
+            "field:sphere@24", path,
+            {"--aov", "P", "--filter", filter, "--camera", "eye=0,0,9;target=0,0,0;height=2.5"})));
+        const ExrFile exr(path);
+        EXPECT_EQ(exr.file.header().typedAttribute<Imf::StringAttribute>("filter").value(), filter);
+        double sum = 0;
+        int count = 0;
+        for (std::size_t i = 0; i < exr.channels.at("A").size(); ++i) {
+            if (exr.channels.at("A")[i] == 0) continue;
+            sum += exr.vector("P", i).norm();
+            ++count;
+        }
+        return sum / count;
+    };
+    const double voxel = 2 * builtin_field("sphere").half_extent_world / 23;
+    // In voxels, with h = 0.13 of the radius. The smoothing B-spline adds h^2/6 of the Laplacian,
+    // 2/r: it shrinks the sphere by h/3 voxels. Third and fourth order: h^2 and h^3 times a small
+    // factor. Linear cuts corners: a (1 - a)/2 of the second derivative along each axis, 1/12 on
+    // average.
+    EXPECT_NEAR((radius("bspline") - 1) / voxel, -voxel / 3, 2e-3);
+    EXPECT_NEAR((radius("interpolating") - 1) / voxel, 0, 2e-3);
+    EXPECT_NEAR((radius("exact") - 1) / voxel, 0, 2e-3);
+    EXPECT_NEAR((radius("catmull-rom") - 1) / voxel, 0, 5e-3);
+    EXPECT_NEAR((radius("linear") - 1) / voxel, -voxel / 6, 0.01);
+}
+
+TEST(Render, GuaranteeDecidesAboutGrazingRaysOnly) {
+    const TemporaryFolder folder;
+    const auto hits = [&](const char* guarantee) {
+        checked_output(
+            isocast(render("field:torus@24", folder / "a.exr", {"--guarantee", guarantee})));
+        return ExrFile(folder / "a.exr").channels.at("A");
+    };
+    const std::vector<float> fine = hits("0.0001");
+    const std::vector<float> coarse = hits("1");
+    int fine_count = 0;
+    int coarse_count = 0;
+    for (std::size_t i = 0; i < fine.size(); ++i) {
+        fine_count += fine[i] != 0;
+        coarse_count += coarse[i] != 0;
+        EXPECT_LE(coarse[i], fine[i]);
+    }
+    EXPECT_GT(fine_count, 200);
+    // A chord of one voxel in a tube of radius 4 voxels ends 0.03 voxels from its silhouette;
+    // pixels are half a voxel wide.
+    EXPECT_GE(coarse_count, 0.9 * fine_count);
+}
+
+TEST(Render, FileWithoutAnIsoValueIsDrawnAtTheSuggestedOne) {
+    const TemporaryFolder folder;
+    checked_output(isocast({"sample", "field:marschner-lobb@20", "-o", folder / "a.vdb"}));
+    const Json info = Json::parse(checked_output(isocast({"info", folder / "a.vdb", "--json"})));
+    const double iso = info["grids"][0]["suggested_iso"];
+    const auto picture = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> all{"--aov", "P"};
+        all.insert(all.end(), more.begin(), more.end());
+        checked_output(isocast(render(folder / "a.vdb", folder / "a.exr", all)));
+        const ExrFile exr(folder / "a.exr");
+        return std::pair(exr.file.header().typedAttribute<Imf::FloatAttribute>("iso").value(),
+                         exr.channels);
+    };
+    const auto suggested = picture({});
+    EXPECT_EQ(suggested.first, static_cast<float>(iso));
+    EXPECT_EQ(suggested, picture({"--iso", fmt::format("{}", iso)}));
 }
 
 TEST(Render, IsTheSameEveryTime) {

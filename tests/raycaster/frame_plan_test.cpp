@@ -1,7 +1,8 @@
-// Which passes live, with no GL at all.
+// Which passes live; none of them runs.
 // SPDX-License-Identifier: MPL-2.0
 #include "raycaster/frame_plan.h"
 
+#include "gl/context.h"
 #include "raycaster/passes.h"
 
 #include <gtest/gtest.h>
@@ -9,15 +10,17 @@
 namespace isocast {
 namespace {
 
-/// The renderer's own passes. They are never run, so nothing here touches the GL.
+/// The renderer's own passes. They are never run; the context is for the lists of tiles alone.
 struct Declared {
+    std::unique_ptr<gl::Context> context = gl::make_context({.backend = gl::Backend::Osmesa});
     gl::ShaderLibrary shaders{{std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders"}};
     gl::VertexArray no_vertices;
     Scene scene;
     FieldOnGpu field;
+    TilesOnGpu tiles{TileLists{}};
     Camera camera;
     FrameTargets targets;
-    FrameContext frame{shaders, no_vertices, scene, field, camera, 1, 1, targets};
+    FrameContext frame{shaders, no_vertices, scene, field, tiles, camera, 1, 1, targets};
     std::vector<Pass> passes = declare_passes(frame);
 };
 
@@ -32,26 +35,26 @@ using Names = std::vector<std::string>;
 TEST(LivePasses, RunOnlyWhatTheOutputsNeed) {
     const Declared declared;
     EXPECT_EQ(names(live_passes(declared.passes, {})), Names{});
-    EXPECT_EQ(names(live_passes(declared.passes, {FrameImage::Hit})), (Names{"bounds", "raycast"}));
+    EXPECT_EQ(names(live_passes(declared.passes, {FrameImage::Hit})), Names{"raycast"});
     EXPECT_EQ(names(live_passes(declared.passes, {FrameImage::Gradient})),
-              (Names{"bounds", "raycast", "gradient"}));
+              (Names{"raycast", "gradient"}));
     EXPECT_EQ(names(live_passes(declared.passes, {FrameImage::Beauty})),
-              (Names{"bounds", "raycast", "gradient", "shading"}));
+              (Names{"raycast", "gradient", "shading"}));
 }
 
 TEST(LivePasses, NameThePassThatReadsWhatNobodyWrote) {
     const Declared declared;
     std::vector<Pass> passes = declared.passes;
-    passes.erase(passes.begin()); // no bounds
+    passes.erase(passes.begin()); // no raycast
     try {
         live_passes(passes, {FrameImage::Beauty});
         FAIL() << "no error";
     } catch (const std::logic_error& error) {
-        EXPECT_STREQ(error.what(), "pass 'raycast' reads 'bounds', which no pass before it writes");
+        EXPECT_STREQ(error.what(), "pass 'gradient' reads 'hit', which no pass before it writes");
     }
     std::vector<Pass> wrong_order = declared.passes;
     std::swap(wrong_order[0], wrong_order[1]);
-    EXPECT_THROW(live_passes(wrong_order, {FrameImage::Hit}), std::logic_error);
+    EXPECT_THROW(live_passes(wrong_order, {FrameImage::Gradient}), std::logic_error);
     EXPECT_THROW(live_passes({}, {FrameImage::Hit}), std::logic_error);
 }
 
@@ -59,10 +62,10 @@ TEST(LivePasses, SayWhoAskedForEach) {
     const Declared declared;
     const std::vector<Pass> live =
         live_passes(declared.passes, {FrameImage::Beauty, FrameImage::Hit});
-    EXPECT_EQ(asked_by(live[0], live, {FrameImage::Beauty, FrameImage::Hit}), "raycast");
-    EXPECT_EQ(asked_by(live[1], live, {FrameImage::Beauty, FrameImage::Hit}),
+    EXPECT_EQ(asked_by(live[0], live, {FrameImage::Beauty, FrameImage::Hit}),
               "output, gradient, shading");
-    EXPECT_EQ(asked_by(live[3], live, {FrameImage::Beauty, FrameImage::Hit}), "output");
+    EXPECT_EQ(asked_by(live[1], live, {FrameImage::Beauty, FrameImage::Hit}), "shading");
+    EXPECT_EQ(asked_by(live[2], live, {FrameImage::Beauty, FrameImage::Hit}), "output");
 }
 
 } // namespace

@@ -26,8 +26,7 @@ std::shared_ptr<DenseField> dense(const AnalyticField& field, const GridSpace& s
         for (int y = extent.lo.y(); y < extent.hi.y(); ++y)
             for (int x = extent.lo.x(); x < extent.hi.x(); ++x)
                 values.push_back(float(field.jet(space.to_world(Vec3d(x, y, z))).value));
-    // 1e6: wider than any field here. It says that values are distances, of slope one.
-    return std::make_shared<DenseField>(space, extent, std::move(values), 1e6);
+    return std::make_shared<DenseField>(space, extent, std::move(values));
 }
 
 /// A sphere of 40 voxels, its centre off the lattice.
@@ -35,6 +34,12 @@ std::shared_ptr<DenseField> sphere_40() {
     return dense(sphere_field({50.137, 49.759, 50.319}, 40), GridSpace::uniform(1),
                  {Index3::Zero(), Index3::Constant(101)});
 }
+
+/// The search ends within 1e-5 voxel, coordinates of 300 voxels round by 2e-5 a few times, and
+/// values of spheres of distances err by 2^-20 of those that a surface point reads, 4 voxels: 1e-4
+/// in all, ten times that where rays meet the surface at an angle of 0.1 rad. The pictures' few
+/// rays that graze it more closely are within that too, since those bounds are generous (measured).
+constexpr double hit_tolerance = 1e-3;
 
 struct Differences {
     int hits = 0;
@@ -45,8 +50,10 @@ struct Differences {
 };
 
 /// The Hit image against the double reference caster, pixel by pixel.
-Differences compare(const Image& hits, const FieldSource& field, double iso, const Camera& camera) {
-    const ReferenceCaster reference(field, iso);
+Differences compare(const Image& hits, std::shared_ptr<const FieldSource> samples, double iso,
+                    const Camera& camera) {
+    const FieldSource& field = *samples;
+    const ReferenceCaster reference(*control_samples(samples, Filter::Interpolating), iso);
     Differences out;
     double sum = 0;
     for (int y = 0; y < hits.height; ++y)
@@ -85,14 +92,15 @@ struct Rendering : testing::Test {
 TEST_F(Rendering, SphereIsHitWhereTheSplineHasItsRoot) {
     const auto field = sphere_40();
     const Camera camera{.eye_world = {130, 100, 270}, .target_world = {50, 50, 50}};
-    const Differences d = compare(hits(field, camera, 256), *field, 0, camera);
+    const Differences d = compare(hits(field, camera, 256), field, 0, camera);
     RecordProperty("rms_voxels", std::to_string(d.rms_voxels));
     EXPECT_GT(d.hits, 20000);
     EXPECT_EQ(d.missed, 0);
     EXPECT_EQ(d.false_hits, 0);
-    // What was asked for; float rounding of coordinates of 300 voxels alone gives 3e-5.
-    EXPECT_LT(d.rms_voxels, 0.01);
-    EXPECT_LT(d.max_voxels, 0.01);
+    // hit_tolerance, and its typical value: 1e-5 is where the search ends, 2e-5 a coordinate's
+    // rounding, at slopes that are near 1 along most rays.
+    EXPECT_LT(d.rms_voxels, 1e-4);
+    EXPECT_LT(d.max_voxels, hit_tolerance);
 }
 
 TEST_F(Rendering, OrthographicRaysHitToo) {
@@ -101,10 +109,10 @@ TEST_F(Rendering, OrthographicRaysHitToo) {
                         .target_world = {50, 50, 50},
                         .projection = Projection::Orthographic,
                         .height_world = 90};
-    const Differences d = compare(hits(field, camera, 128), *field, 0, camera);
+    const Differences d = compare(hits(field, camera, 128), field, 0, camera);
     EXPECT_GT(d.hits, 8000);
     EXPECT_EQ(d.missed + d.false_hits, 0);
-    EXPECT_LT(d.max_voxels, 0.01);
+    EXPECT_LT(d.max_voxels, hit_tolerance);
 }
 
 TEST_F(Rendering, AxisParallelRaysHitToo) {
@@ -115,10 +123,10 @@ TEST_F(Rendering, AxisParallelRaysHitToo) {
                       .up = Vec3d(0.3, 0.4, 0.5),
                       .projection = Projection::Orthographic,
                       .height_world = 90};
-        const Differences d = compare(hits(field, camera, 64), *field, 0, camera);
+        const Differences d = compare(hits(field, camera, 64), field, 0, camera);
         EXPECT_GT(d.hits, 2000);
         EXPECT_EQ(d.missed + d.false_hits, 0) << axis.transpose();
-        EXPECT_LT(d.max_voxels, 0.01) << axis.transpose();
+        EXPECT_LT(d.max_voxels, hit_tolerance) << axis.transpose();
     }
 }
 
@@ -129,10 +137,10 @@ TEST_F(Rendering, SurfaceEndsWhereTheFieldDoes) {
     for (const Vec3d& eye : {Vec3d(150, 60, 80), Vec3d(-90, 40, 60), Vec3d(29, 29, 140)}) {
         const Camera camera{.eye_world = eye, .target_world = {20, 30, 30}};
         const Image image = hits(field, camera, 128);
-        const Differences d = compare(image, *field, 0, camera);
+        const Differences d = compare(image, field, 0, camera);
         EXPECT_GT(d.hits, 1000);
         EXPECT_EQ(d.missed + d.false_hits, 0) << eye.transpose();
-        EXPECT_LT(d.max_voxels, 0.01) << eye.transpose();
+        EXPECT_LT(d.max_voxels, hit_tolerance) << eye.transpose();
         for (int i = 0; i < 128 * 128; ++i) {
             const float* hit = image.pixel(i % 128, i / 128);
             if (hit[3] == 0) continue;
@@ -146,6 +154,7 @@ TEST_F(Rendering, SurfaceThatLeavesTheFieldThroughItsCornersHasNoStrayPixels) {
     // Rays that leave the box where bricks end once took a rounded exit point for one in the brick
     // beyond, whose constant had the other sign.
     const std::shared_ptr<const FieldSource> field = sampled(builtin_field("gyroid"), 96);
+    const auto control = control_samples(field, Filter::Interpolating);
     renderer.load({.field = field});
     const Camera camera = frame_box(renderer.surface_box_world(), {0.45, 0.35, 1}, 1, 30);
     renderer.draw(camera, 512, 512, {FrameImage::Hit});
@@ -156,24 +165,25 @@ TEST_F(Rendering, SurfaceThatLeavesTheFieldThroughItsCornersHasNoStrayPixels) {
         const float* hit = image.pixel(i % 512, i / 512);
         if (hit[3] == 0) continue;
         ++hit_count;
-        const Vec3d p_index = field->space().to_index(camera.eye_world +
-                                                      Vec3d(hit[0], hit[1], hit[2]));
+        const Vec3d p_index =
+            field->space().to_index(camera.eye_world + Vec3d(hit[0], hit[1], hit[2]));
         greatest_value_voxels =
-            std::max(greatest_value_voxels, std::abs(tricubic_value(*field, p_index)) /
+            std::max(greatest_value_voxels, std::abs(tricubic_value(*control, p_index)) /
                                                 field->space().voxel_size_world());
     }
     EXPECT_GT(hit_count, 100000);
-    // Hits are within 0.01 voxel of the surface, and the slope is at most sqrt(6).
-    EXPECT_LT(greatest_value_voxels, 0.025);
+    // Hits are within 1e-4 voxel of the surface, and the slope is at most sqrt(6) (as for a gyroid
+    // of distances below 1/h, one voxel's worth).
+    EXPECT_LT(greatest_value_voxels, 1e-3);
 }
 
 TEST_F(Rendering, EyeInsideTheObjectSeesItsInnerSide) {
     const auto field = sphere_40();
     const Camera camera{
         .eye_world = {45, 52, 49}, .target_world = {100, 80, 60}, .fov_y_degrees = 100};
-    const Differences d = compare(hits(field, camera, 64), *field, 0, camera);
+    const Differences d = compare(hits(field, camera, 64), field, 0, camera);
     EXPECT_EQ(d.hits, 64 * 64);
-    EXPECT_LT(d.max_voxels, 0.01);
+    EXPECT_LT(d.max_voxels, hit_tolerance);
 }
 
 TEST_F(Rendering, EyeInsideAnActiveBlockSeesTheSurfaceBeforeIt) {
@@ -181,10 +191,10 @@ TEST_F(Rendering, EyeInsideAnActiveBlockSeesTheSurfaceBeforeIt) {
     // Two voxels outside the surface, looking along it.
     const Camera camera{
         .eye_world = {92.1, 50, 50.3}, .target_world = {80, 70, 60}, .fov_y_degrees = 90};
-    const Differences d = compare(hits(field, camera, 128), *field, 0, camera);
+    const Differences d = compare(hits(field, camera, 128), field, 0, camera);
     EXPECT_GT(d.hits, 1000);
     EXPECT_EQ(d.missed + d.false_hits, 0);
-    EXPECT_LT(d.max_voxels, 0.01);
+    EXPECT_LT(d.max_voxels, hit_tolerance);
 }
 
 TEST_F(Rendering, ShearedAndMirroredGridsShowTheSameSphere) {
@@ -199,10 +209,10 @@ TEST_F(Rendering, ShearedAndMirroredGridsShowTheSameSphere) {
         const Camera camera{.eye_world = centre + Vec3d(60, 50, 70), .target_world = centre};
         renderer.load({.field = field});
         renderer.draw(camera, 128, 128, {FrameImage::Hit, FrameImage::Gradient});
-        const Differences d = compare(renderer.read(FrameImage::Hit), *field, 0, camera);
+        const Differences d = compare(renderer.read(FrameImage::Hit), field, 0, camera);
         EXPECT_GT(d.hits, 4000);
         EXPECT_EQ(d.missed + d.false_hits, 0);
-        EXPECT_LT(d.max_voxels, 0.01);
+        EXPECT_LT(d.max_voxels, hit_tolerance);
 
         const Image gradient = renderer.read(FrameImage::Gradient);
         const Image hit = renderer.read(FrameImage::Hit);
@@ -213,9 +223,9 @@ TEST_F(Rendering, ShearedAndMirroredGridsShowTheSameSphere) {
             const Vec3d g(gradient.rgba[i], gradient.rgba[i + 1], gradient.rgba[i + 2]);
             worst = std::max(worst, (g - (p - centre).normalized()).norm());
         }
-        // The smoothed distance of a sphere is still radial, up to the grid's anisotropy: smoothing
-        // errs by h^2/6 * the third derivative of |x|, 1/r^2 = 1/400, summed over three axes.
-        EXPECT_LT(worst, 0.005);
+        // The interpolating filter errs by terms of fourth order: h^3/24 * the fourth derivative of
+        // |x|, 3/r^3 = 3/8000, summed over three axes.
+        EXPECT_LT(worst, 1e-4);
     }
 }
 
@@ -226,9 +236,9 @@ TEST_F(Rendering, IsoValueMovesTheSurface) {
         const Image image = hits(field, camera, 3, iso);
         return 270 + image.pixel(1, 1)[2];
     };
-    // The spline of |x| smooths alike at radius 40 and 35: the difference is 5 up to
-    // (h^2/6) (2/35 - 2/40).
-    EXPECT_NEAR(nearest_z(0) - nearest_z(-5), 5, 0.003);
+    // The interpolating spline errs by fourth derivatives, 3/r^3 = 7e-5 times a small factor; the
+    // rest is the hit's own error.
+    EXPECT_NEAR(nearest_z(0) - nearest_z(-5), 5, 2e-4);
 }
 
 TEST_F(Rendering, FieldWithoutASurfaceGivesBackground) {
@@ -255,28 +265,29 @@ TEST_F(Rendering, NarrowBandShowsTheSameSurfaceAsTheWholeField) {
             worst = std::max(worst, double(std::abs(a.rgba[i + c] - b.rgba[i + c])));
     }
     EXPECT_GT(hit_count, 1000);
-    // The filter's support reaches 2 sqrt(3) = 3.46 voxels, a little beyond the band; what is
-    // clamped there has weights below (1/6)^3.
-    EXPECT_LT(worst / band->space().voxel_size_world(), 0.02);
+    // The filter's support reaches 2 sqrt(3) = 3.46 voxels and that of the interpolating control
+    // samples one more, a little beyond the band; what is clamped there, by 1.5 voxels at most, has
+    // weights below (1/6)^2.
+    EXPECT_LT(worst / band->space().voxel_size_world(), 0.05);
 }
 
 TEST_F(Rendering, ReportsWhatRanAndWhatDidNot) {
     renderer.load({.field = sphere_40()});
     const Camera camera{.eye_world = {130, 100, 270}, .target_world = {50, 50, 50}};
     const FrameReport hit_only = renderer.draw(camera, 64, 32, {FrameImage::Hit});
-    EXPECT_EQ(hit_only.programs_compiled, 2);
-    EXPECT_EQ(hit_only.image_bytes, 2 * 64 * 32 * 16) << "bounds and hit, four floats each";
-    EXPECT_FALSE(hit_only.passes[3].ran);
-    EXPECT_EQ(hit_only.passes[3].texture_bytes, 0);
+    EXPECT_EQ(hit_only.programs_compiled, 1);
+    EXPECT_EQ(hit_only.image_bytes, 64 * 32 * 16) << "four floats a pixel";
+    EXPECT_FALSE(hit_only.passes[2].ran);
+    EXPECT_EQ(hit_only.passes[2].texture_bytes, 0);
     EXPECT_THROW(renderer.read(FrameImage::Beauty), std::logic_error);
 
     const FrameReport beauty = renderer.draw(camera, 64, 32, {FrameImage::Beauty});
-    EXPECT_EQ(beauty.programs_compiled, 4);
-    EXPECT_EQ(beauty.image_bytes, 64 * 32 * (3 * 16 + 8));
-    EXPECT_EQ(beauty.passes[1].asked_by, "gradient, shading");
+    EXPECT_EQ(beauty.programs_compiled, 3);
+    EXPECT_EQ(beauty.image_bytes, 64 * 32 * (2 * 16 + 8));
+    EXPECT_EQ(beauty.passes[0].asked_by, "gradient, shading");
 
     const FrameReport again = renderer.draw(camera, 64, 32, {FrameImage::Hit});
-    EXPECT_EQ(again.programs_compiled, 4) << "programs are kept";
+    EXPECT_EQ(again.programs_compiled, 3) << "programs are kept";
     EXPECT_EQ(again.image_bytes, hit_only.image_bytes) << "images that nobody needs are not";
 }
 

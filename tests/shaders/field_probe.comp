@@ -3,12 +3,28 @@
 #version 450 core
 #include "raycast/field.glsl"
 
+struct Probe {
+    vec4 p_local;
+    vec4 direction;
+};
+struct Result {
+    vec4 value_and_slope; // stored units, along the direction; z 1 in an active block, else all 0
+    vec4 gradient;        // world units
+};
+
 layout(local_size_x = 64) in;
-layout(std430, binding = 0) readonly buffer Points { vec4 points[]; };
-layout(std430, binding = 1) writeonly buffer Results { vec4 results[]; }; // value, gradient
+layout(std430, binding = 0) readonly buffer Probes { Probe probes[]; };
+layout(std430, binding = 1) writeonly buffer Results { Result results[]; };
 
 void main() {
     uint i = gl_GlobalInvocationID.x;
-    if (i >= points.length()) return;
-    results[i] = vec4(field_value(points[i].xyz), field_gradient(points[i].xyz));
+    if (i >= probes.length()) return;
+    vec3 p_local = probes[i].p_local.xyz;
+    results[i] = Result(vec4(0.0), vec4(field_gradient(p_local), 0.0));
+    uint word = word_at(block_of(p_local));
+    if (!is_active(word)) return;
+    Block b = fetch_block(int(word & word_number));
+    Cell c = cell_of(b.address, b.scale, p_local - (u_table_lo + b.lo));
+    vec2 f = tricubic_value_and_slope(c.address, c.a, b.scale * probes[i].direction.xyz);
+    results[i].value_and_slope = vec4(f, 1.0, 0.0);
 }

@@ -1,128 +1,205 @@
 // The production field functions on the GL against their double twins.
 // SPDX-License-Identifier: MPL-2.0
+#include "../volume/random_fields.h"
 #include "filtering/reconstruct.h"
 #include "gl/context.h"
-#include "raycaster/brick_atlas.h"
+#include "raycaster/passes.h"
 #include "volume/analytic_fields.h"
-#include "volume/dense_field.h"
 
 #include <glad/gl.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
-#include <random>
+#include <set>
 
 namespace isocast {
 namespace {
 
-struct Greatest {
-    double value_error = 0;    // relative to the field's range
-    double gradient_error = 0; // relative to the field's range, per voxel
+using test::Random;
+
+/// Twin of Probe in field_probe.comp.
+struct Probe {
+    Eigen::Vector4f p_local;
+    Eigen::Vector4f direction;
+};
+/// Twin of Result.
+struct Result {
+    Eigen::Vector4f value_and_slope;
+    Eigen::Vector4f gradient;
+};
+static_assert(sizeof(Probe) == 32 && sizeof(Result) == 32);
+
+struct Setting {
+    Kernel kernel;
+    StorageOptions storage;
 };
 
-/// Runs field_probe.comp at local points (float exactly) and compares with tricubic_jet.
-Greatest compare_with_twin(const FieldSource& field, const std::vector<Eigen::Vector4f>& points,
-                           const BrickAtlas& atlas) {
+std::string name_of(const testing::TestParamInfo<Setting>& test) {
+    constexpr std::array kernels{"Linear", "BSpline", "CatmullRom"};
+    constexpr std::array fetches{"Rows", "Samples"};
+    constexpr std::array formats{"Float32", "Float16", "Norm16"};
+    const auto& [kernel, storage] = test.param;
+    return std::string(kernels[static_cast<std::size_t>(kernel)]) +
+           fetches[static_cast<std::size_t>(storage.fetch)] +
+           formats[static_cast<std::size_t>(storage.format)] + std::to_string(storage.brick_size);
+}
+
+/// Every kernel, fetch and format; brick sizes in turn.
+std::vector<Setting> settings() {
+    std::vector<Setting> all;
+    for (const Kernel kernel : {Kernel::Linear, Kernel::BSpline, Kernel::CatmullRom})
+        for (const Fetch fetch : {Fetch::Rows, Fetch::Samples})
+            for (const SampleFormat format :
+                 {SampleFormat::Float32, SampleFormat::Float16, SampleFormat::Norm16})
+                all.push_back({kernel, {fetch, format, 8 << (all.size() + all.size() / 3) % 3}});
+    return all;
+}
+
+/// The greatest sum of |weights| over a point's 4^3 samples, and of |weights derived along one
+/// axis| [1/voxel]: what errors of samples and roundings grow by.
+struct Hull {
+    double value;
+    double derivative;
+};
+
+Hull hull_of(Kernel kernel) {
+    double value = 0;
+    double derivative = 0;
+    for (int i = 0; i <= 256; ++i) {
+        double sum = 0;
+        double sum_d1 = 0;
+        for (const double w : kernel_weights(kernel, i / 256.0)) sum += std::abs(w);
+        for (const double w : kernel_weights_d1(kernel, i / 256.0)) sum_d1 += std::abs(w);
+        value = std::max(value, sum);
+        derivative = std::max(derivative, sum_d1);
+    }
+    return {value * value * value, value * value * derivative};
+}
+
+class Tricubic : public testing::TestWithParam<Setting> {
+protected:
+    std::unique_ptr<gl::Context> context = gl::make_context({.backend = gl::Backend::Osmesa});
+
+    /// Runs field_probe.comp at seeded points of the extent and compares with kernel_jet.
+    void expect_equal_to_twin(const FieldSource& field, float iso);
+};
+
+/// Points of a lattice of 2^-12 voxel, so that coordinates do not round; half of them within a
+/// voxel of a block's border, some exactly on samples and borders.
+std::vector<Probe> probes_of(const FieldSource& field, const Index3& origin) {
+    Random random(11);
+    const Vec3d lo = field.extent().lo.cast<double>();
+    const Vec3d hi = (field.extent().hi.array() - 1).matrix().cast<double>();
+    std::vector<Probe> probes;
+    for (int i = 0; i < 6000; ++i) {
+        Vec3d p = lo + test::random_point(random, 0, 1).cwiseProduct(hi - lo);
+        if (i % 2 == 0) {
+            const int axis = i / 2 % 3;
+            const double border = block_size * std::round(p[axis] / block_size);
+            const double near = border + test::random_real(random, -1, 1);
+            p[axis] = std::clamp(i % 16 == 0 ? border : near, lo[axis], hi[axis]);
+        }
+        if (i % 100 == 0) p = p.array().round();
+        p = (0x1p12 * p).array().round() * 0x1p-12;
+        Probe probe{Eigen::Vector4f::Zero(), Eigen::Vector4f::Zero()};
+        probe.p_local.head<3>() = (p - origin.cast<double>()).cast<float>();
+        probe.direction.head<3>() = test::random_point(random, -1, 1).normalized().cast<float>();
+        probes.push_back(probe);
+    }
+    return probes;
+}
+
+void Tricubic::expect_equal_to_twin(const FieldSource& field, float iso) {
+    const auto& [kernel, storage] = GetParam();
+    const BlockRanges ranges = find_block_ranges(field, kernel);
+    const std::vector<ActivePage> active = active_pages(ranges, iso);
+    const FieldOnGpu on_gpu(field, field, kernel, ranges, active, iso, storage, {});
+    const BrickPool& pool = on_gpu.pool();
+    const Index3 origin = on_gpu.local_origin_index();
+
     const std::filesystem::path source(ISOCAST_SOURCE_DIR);
     gl::ShaderLibrary shaders({source / "shaders", source / "tests/shaders"});
-    const gl::Program& program = shaders.program({{"field_probe.comp"}, {}});
-    atlas.bind(program);
-    const gl::Buffer in(std::as_bytes(std::span(points)), "points");
-    const gl::Buffer out(std::as_bytes(std::span(points)), "results");
+    const gl::Program& program = shaders.program({{"field_probe.comp"}, pool.defines()});
+    on_gpu.bind(program);
+    program.set("u_world_from_stored", pool.world_from_stored());
+    const std::vector<Probe> probes = probes_of(field, origin);
+    const gl::Buffer in(std::as_bytes(std::span(probes)), "probes");
+    const gl::Buffer out(std::as_bytes(std::span(probes)), "results");
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, in.id());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, out.id());
     program.use();
-    glDispatchCompute(GLuint(points.size() + 63) / 64, 1, 1);
+    glDispatchCompute(GLuint(probes.size() + 63) / 64, 1, 1);
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-    std::vector<Eigen::Vector4f> results(points.size());
+    std::vector<Result> results(probes.size());
     glGetNamedBufferSubData(out.id(), 0, GLsizeiptr(results.size() * sizeof(results[0])),
                             results.data());
 
-    const ValueRange range = field.value_range(field.extent());
-    const double width = double(range.max) - range.min;
-    Greatest greatest;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const Vec3d p =
-            points[i].head<3>().cast<double>() + atlas.local_origin_index().cast<double>();
-        const Jet expected = tricubic_jet(field, p);
-        greatest.value_error =
-            std::max(greatest.value_error, std::abs(results[i][0] - expected.value) / width);
-        greatest.gradient_error = std::max(
-            greatest.gradient_error,
-            (results[i].tail<3>().cast<double>() - expected.gradient).cwiseAbs().maxCoeff() /
-                width);
-    }
-    return greatest;
-}
+    std::set<std::array<int, 3>> active_blocks;
+    for (const Index3& b : find_active_blocks(field, kernel, iso).coordinates)
+        active_blocks.insert({b.x(), b.y(), b.z()});
 
-/// Seeded points inside the extent, half of them within a voxel of a brick's border, some exactly
-/// on samples and borders.
-std::vector<Eigen::Vector4f> probe_points(const FieldSource& field, const Index3& origin) {
-    std::mt19937 generator(11);
-    const Vec3d lo = field.extent().lo.cast<double>() + Vec3d::Constant(2);
-    const Vec3d hi = field.extent().hi.cast<double>() - Vec3d::Constant(3);
-    std::vector<Eigen::Vector4f> points;
-    for (int i = 0; i < 20000; ++i) {
-        Vec3d p;
-        for (int axis = 0; axis < 3; ++axis) {
-            p[axis] = std::uniform_real_distribution(lo[axis], hi[axis])(generator);
-            if (i % 2 == 0 && axis == i / 2 % 3) {
-                const double border = brick_size * std::round(p[axis] / brick_size);
-                const double near = border + std::uniform_real_distribution(-1.0, 1.0)(generator);
-                p[axis] = std::clamp(i % 16 == 0 ? border : near, lo[axis], hi[axis]);
-            }
+    // The renderer reckons with errors of evaluation of 2^-20 of the greatest sample: sixteen
+    // roundings of a sum of 64 products. Stored samples err by storage_error(). Norm16 is read as
+    // code/65535 between 0 and 1, four times the greatest |sample| at most, before zero is taken
+    // off.
+    const Hull hull = hull_of(kernel);
+    const double size = storage.format == SampleFormat::Norm16 ? 4 : 1;
+    const double rounding = 0x1p-20 * size * pool.greatest_value();
+    const double value_tolerance = rounding + hull.value * pool.storage_error();
+    const double derivative_tolerance = hull.derivative * (rounding + pool.storage_error());
+    double worst_value = 0;
+    double worst_slope = 0;
+    double worst_gradient = 0;
+    int count = 0;
+    for (std::size_t i = 0; i < probes.size(); ++i) {
+        const Vec3d p = probes[i].p_local.head<3>().cast<double>() + origin.cast<double>();
+        const Index3 b = (p / block_size).array().floor().matrix().cast<int>();
+        const bool is_active = active_blocks.contains({b.x(), b.y(), b.z()});
+        ASSERT_EQ(results[i].value_and_slope.z() != 0, is_active) << p.transpose();
+        if (!is_active) {
+            EXPECT_EQ(results[i].gradient, Eigen::Vector4f::Zero());
+            continue;
         }
-        if (i % 100 == 0) p = p.array().round();
-        const Vec3d local = p - origin.cast<double>();
-        points.emplace_back(float(local.x()), float(local.y()), float(local.z()), 0.0f);
+        ++count;
+        const Jet jet = kernel_jet(field, p, kernel);
+        const Vec3d gradient = results[i].gradient.head<3>().cast<double>();
+        const double unit = pool.world_from_stored();
+        const double value = unit * results[i].value_and_slope.x();
+        const double slope = unit * results[i].value_and_slope.y();
+        worst_value = std::max(worst_value, std::abs(value - (jet.value - iso)));
+        worst_gradient = std::max(worst_gradient, (gradient - jet.gradient).cwiseAbs().maxCoeff());
+        worst_slope = std::max(
+            worst_slope,
+            std::abs(slope - jet.gradient.dot(probes[i].direction.head<3>().cast<double>())));
     }
-    return points;
+    EXPECT_GT(count, 1500);
+    const auto in_units = [&](double error) {
+        return std::to_string(error / (0x1p-20 * pool.greatest_value()));
+    };
+    RecordProperty("value_error", in_units(worst_value));
+    RecordProperty("slope_error", in_units(worst_slope));
+    EXPECT_LE(worst_value, value_tolerance);
+    EXPECT_LE(worst_gradient, derivative_tolerance);
+    // Three components at most: sqrt 3 for a unit direction.
+    EXPECT_LE(worst_slope, std::sqrt(3.0) * derivative_tolerance);
 }
 
-struct Tricubic : testing::Test {
-    std::unique_ptr<gl::Context> context = gl::make_context({.backend = gl::Backend::Osmesa});
-};
-
-TEST_F(Tricubic, AgreesWithTheDoubleTwinOnADistanceField) {
-    // Clamped far away, so that every brick is active and the range is that of a wide band.
-    const auto field = sampled(builtin_field("torus"), 70, 8.0);
-    const ActiveBlocks blocks = find_active_blocks(*field, 0);
-    const BrickAtlas atlas(*field, 0, blocks);
-    ASSERT_GE(atlas.brick_count(), 8);
-    const auto points = probe_points(*field, atlas.local_origin_index());
-    // Bricks that hold no surface are not stored: compare where the field is.
-    std::vector<Eigen::Vector4f> stored;
-    const auto bricks = bricks_of(blocks);
-    for (const Eigen::Vector4f& p : points) {
-        const Vec3d p_index =
-            p.head<3>().cast<double>() + atlas.local_origin_index().cast<double>();
-        const Index3 brick = (p_index / brick_size).array().floor().matrix().cast<int>();
-        if (std::ranges::find(bricks, brick) != bricks.end()) stored.push_back(p);
-    }
-    ASSERT_GT(stored.size(), points.size() / 2);
-    const Greatest greatest = compare_with_twin(*field, stored, atlas);
-    RecordProperty("value_error", std::to_string(greatest.value_error * 1e6) + "e-6");
-    // 4e-6 of the range: a texel coordinate below 128 rounds by 4e-6 along each axis, times a slope
-    // of a sixteenth of the range a voxel, plus 64 roundings of weights and sums at 6e-8.
-    EXPECT_LT(greatest.value_error, 4e-6);
-    EXPECT_LT(greatest.gradient_error, 4e-6);
+TEST_P(Tricubic, AgreesWithTheDoubleTwinOnADistanceField) {
+    const auto field = sampled(builtin_field("torus"), 40, 8.0);
+    expect_equal_to_twin(*field, 0);
+    // Another iso value, one that floats do not round.
+    expect_equal_to_twin(*field, 0.125F);
 }
 
-TEST_F(Tricubic, AgreesWithTheDoubleTwinOnNoise) {
+TEST_P(Tricubic, AgreesWithTheDoubleTwinOnNoise) {
     // The steepest field there is: neighbours differ by up to the whole range.
-    const IndexBox extent{Index3(-20, -3, 5), Index3(50, 47, 50)};
-    std::vector<float> values(std::size_t(extent.sample_count()));
-    std::mt19937 generator(5);
-    for (float& value : values) value = std::uniform_real_distribution(-1.0f, 1.0f)(generator);
-    const DenseField field(GridSpace::uniform(1), extent, values);
-    const BrickAtlas atlas(field, 0, find_active_blocks(field, 0));
-    const Greatest greatest =
-        compare_with_twin(field, probe_points(field, atlas.local_origin_index()), atlas);
-    RecordProperty("value_error", std::to_string(greatest.value_error * 1e6) + "e-6");
-    EXPECT_LT(greatest.value_error, 4e-6);
-    // Derivatives along the axes have slopes up to twice as steep as values.
-    EXPECT_LT(greatest.gradient_error, 8e-6);
+    Random random(5);
+    const DenseField field = test::random_dense(random, {Index3(-20, -3, 5), Index3(25, 37, 42)});
+    expect_equal_to_twin(field, 0);
 }
+
+INSTANTIATE_TEST_SUITE_P(Storage, Tricubic, testing::ValuesIn(settings()), name_of);
 
 } // namespace
 } // namespace isocast

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -185,7 +186,9 @@ void first_frame(const std::string& path, int resolution, int size, gl::Backend 
     FrameReport report;
     const double first = frame_seconds(renderer, camera, size, report);
     const double total = seconds_since(start);
-    const double second = frame_seconds(renderer, camera, size, report);
+    double second = first;
+    for (int i = 0; i < 3; ++i)
+        second = std::min(second, frame_seconds(renderer, camera, size, report));
     const auto control = control_samples(field, Filter::Interpolating);
     lap();
     find_block_ranges(*control, kernel_of(Filter::Interpolating));

@@ -14,6 +14,7 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -40,18 +41,14 @@ std::shared_ptr<const SparseField> field_of(const CheckedMesh& mesh, int resolut
 }
 
 struct Peer {
-    std::string name;
+    const char* name;
     PeerFrame (*draw)(const PeerScene&);
     bool is_slow; // drawn in the first turn only
 };
 
-const std::vector<Peer>& all_peers() {
-    static const std::vector<Peer> peers{{"openvdb", openvdb_peer, false},
-                                         {"embree", embree_peer, false},
-                                         {"vtk", vtk_peer, true},
-                                         {"teem", teem_peer, true}};
-    return peers;
-}
+constexpr std::array all_peers{Peer{"openvdb", openvdb_peer, false},
+                               Peer{"embree", embree_peer, false}, Peer{"vtk", vtk_peer, true},
+                               Peer{"teem", teem_peer, true}};
 
 int differing(const std::vector<bool>& a, const std::vector<bool>& b) {
     int count = 0;
@@ -81,7 +78,7 @@ void run_frames(Renderer& renderer, const std::shared_ptr<const SparseField>& fi
     for (int turn = 0; turn < repeats; ++turn) {
         frame_seconds(renderer, camera, size, report);
         ours.push_back(frame_seconds(renderer, camera, size, report));
-        for (const Peer& peer : all_peers()) {
+        for (const Peer& peer : all_peers) {
             if (std::ranges::find(names, peer.name) == names.end()) continue;
             if (peer.is_slow && turn > 0) continue;
             PeerFrame frame;
@@ -103,7 +100,7 @@ void run_frames(Renderer& renderer, const std::shared_ptr<const SparseField>& fi
     for (const PassReport& pass : report.passes)
         fmt::print(" {} {:.1f}", pass.name, pass.milliseconds);
     fmt::print("\n");
-    for (const Peer& peer : all_peers()) {
+    for (const Peer& peer : all_peers) {
         const auto found = last.find(peer.name);
         if (found == last.end()) continue;
         const PeerFrame& frame = found->second;
@@ -227,7 +224,7 @@ void run_first_frame(const std::string& self, const CheckedMesh& mesh, int resol
     }
     fmt::print("\nFirst frame of a new process, {}^3 @ {}^2, from a .vdb file: medians of seconds. "
                "Process: with start and end; blocks: finding the active ones; compile: the first "
-               "frame less the second\n{:<14}",
+               "frame less the best of three more\n{:<14}",
                resolution, size, "");
     for (const char* part : parts) fmt::print(" {:>8}", part);
     fmt::print(" {:>12}\n", "total least");

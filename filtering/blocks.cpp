@@ -147,8 +147,9 @@ void find_ranges(const FieldSource& control, Kernel kernel, BlockPage& page) {
     });
 }
 
-bool holds(const ValueRange& range, float iso) {
-    return range.min <= iso && iso <= range.max;
+bool holds(const ValueRange& range, float iso, float value_error) {
+    const float margin = value_error + 1e-5F * (range.max - range.min);
+    return range.min - margin <= iso && iso <= range.max + margin;
 }
 
 } // namespace
@@ -167,14 +168,15 @@ BlockRanges find_block_ranges(const FieldSource& control, Kernel kernel, const P
     return ranges;
 }
 
-std::vector<ActivePage> active_pages(const BlockRanges& ranges, float iso) {
+std::vector<ActivePage> active_pages(const BlockRanges& ranges, float iso, float value_error) {
     std::vector<ActivePage> active;
     for (std::size_t i = 0; i < ranges.pages.size(); ++i) {
         const BlockPage& page = ranges.pages[i];
-        if (!holds(page.range, iso)) continue;
+        if (!holds(page.range, iso, value_error)) continue;
         std::uint64_t blocks = 0;
         for_each_block(page.blocks, [&](int place, int, int, int) {
-            if (holds(page.ranges[static_cast<std::size_t>(place)], iso)) blocks |= bit_of(place);
+            if (holds(page.ranges[static_cast<std::size_t>(place)], iso, value_error))
+                blocks |= bit_of(place);
         });
         if (blocks != 0) active.push_back({i, blocks});
     }

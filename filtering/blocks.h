@@ -65,7 +65,11 @@ struct ActivePage {
 
 /// The pages with blocks that hold `iso`, in the order of `ranges`. A plateau at the iso value,
 /// where every sample equals it, is active.
-std::vector<ActivePage> active_pages(const BlockRanges& ranges, float iso);
+///
+/// value_error  by which values may differ from the samples', as those that are stored do. Ranges
+///              are also widened by 1e-5 of themselves, so that a hit which rounding moved over a
+///              block's face still finds its samples there
+std::vector<ActivePage> active_pages(const BlockRanges& ranges, float iso, float value_error = 0);
 
 /// The active blocks of a field at one iso value.
 struct ActiveBlocks {

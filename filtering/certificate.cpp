@@ -266,8 +266,12 @@ std::array<ValueRange, blocks_per_page> page_ranges(const Control& control) {
     return ranges;
 }
 
-/// The parts with a cell that holds zero.
-std::uint64_t parts_of(const CellRanges& ranges) {
+/// Where a ray passes from part to part is known to a few roundings of coordinates of up to 100
+/// voxels; 1e-4 voxel holds those.
+constexpr float part_margin = 1e-4F;
+
+/// The parts with a cell that holds a value no farther from zero than `margin`.
+std::uint64_t parts_of(const CellRanges& ranges, float margin) {
     static_assert(part_size == 2 && lanes == 2 * part_size);
     std::uint64_t parts = 0;
     for (int z = 0; z < cells; z += part_size) {
@@ -276,8 +280,8 @@ std::uint64_t parts_of(const CellRanges& ranges) {
                 LaneMask holds{};
                 for (int dz = 0; dz < part_size; ++dz) {
                     for (int dy = 0; dy < part_size; ++dy) {
-                        holds |= (ranges.least.at[strip][z + dz][y + dy] <= 0.0F) &
-                                 (ranges.greatest.at[strip][z + dz][y + dy] >= 0.0F);
+                        holds |= (ranges.least.at[strip][z + dz][y + dy] <= margin) &
+                                 (ranges.greatest.at[strip][z + dz][y + dy] >= -margin);
                     }
                 }
                 const std::uint64_t two = (holds[0] | holds[1] ? 1U : 0U) | // along x
@@ -432,8 +436,8 @@ Certificate certify_bspline(const Control& control) {
         slope = greater(slope, steepness.slope_squared.at[strip][z][y]);
     });
     Certificate certificate;
-    certificate.parts = parts_of(ranges);
     certificate.slope = std::sqrt(greatest_lane(slope)) * (1 + rounding);
+    certificate.parts = parts_of(ranges, part_margin * certificate.slope);
     certificate.near = certificate.slope;
     Lanes bends{};
     Lanes near_bends{};
@@ -502,7 +506,7 @@ Certificate certify_block(const float* control, std::ptrdiff_t stride_y, std::pt
     if (kernel == Kernel::Linear) {
         CellRanges ranges;
         find_cell_ranges<1>(from, ranges);
-        certificate.parts = parts_of(ranges);
+        certificate.parts = parts_of(ranges, part_margin * certificate.slope);
     }
     return certificate;
 }

@@ -27,7 +27,8 @@ struct Certificate {
     /// a value no farther from zero than `near`. bounds.h: no_bend if there is no bound.
     float bend = 0;
     float near = 0;
-    /// The parts of 2^3 cells that can hold the surface f = 0, by x + 4 y + 16 z.
+    /// The parts of 2^3 cells that can hold the surface f = 0, or come within 1e-4 voxel of it, by
+    /// x + 4 y + 16 z.
     std::uint64_t parts = 0;
 };
 

@@ -139,6 +139,11 @@ float Codec::world_from_stored() const {
     return format_ == SampleFormat::Norm16 ? 65535 * scale_ : scale_;
 }
 
+float Codec::greatest_stored() const {
+    // Texels of GL_R16 lie in [0, 1], and what stands for zero is taken off last.
+    return format_ == SampleFormat::Norm16 ? 1 : greatest_ / world_from_stored();
+}
+
 float Codec::error() const {
     switch (format_) {
     case SampleFormat::Float32:

@@ -71,6 +71,8 @@ public:
     float decode(std::uint16_t code) const;
     /// World units of what the shader reads.
     float world_from_stored() const;
+    /// Greatest |sum| on the way to a value, in stored units: what rounding is proportional to.
+    float greatest_stored() const;
     /// Greatest error of a value.
     float error() const;
 

@@ -59,6 +59,11 @@ float greatest_value_of(const BlockRanges& ranges, const std::vector<ActivePage>
 
 } // namespace
 
+float storage_error(const BlockRanges& ranges, const std::vector<ActivePage>& active, float iso,
+                    SampleFormat format) {
+    return Codec(format, greatest_value_of(ranges, active, iso)).error();
+}
+
 BrickPool::BrickPool(const FieldSource& control, Kernel kernel, const BlockRanges& ranges,
                      const std::vector<ActivePage>& active, const BlockTable& table, float iso,
                      const StorageOptions& options, const Progress& progress)

@@ -11,6 +11,10 @@
 
 namespace isocast {
 
+/// Greatest error of samples of the active pages as they are stored [world].
+float storage_error(const BlockRanges& ranges, const std::vector<ActivePage>& active, float iso,
+                    SampleFormat format);
+
 /// A cache: it holds the bricks of all active blocks if the budget allows, else those that rays
 /// asked for last.
 ///
@@ -43,6 +47,8 @@ public:
 
     /// Greatest |value - iso| of a sample [world].
     float greatest_value() const { return greatest_value_; }
+    /// Greatest |sum| of stored samples [stored units].
+    float greatest_stored() const { return codec_.greatest_stored(); }
     /// Greatest error of a stored sample [world].
     float storage_error() const { return codec_.error(); }
     /// World units of what shaders read; they reckon in stored units.

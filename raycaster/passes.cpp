@@ -156,9 +156,9 @@ void run_raycast(FrameContext& frame) {
                         stored_from_world);
     } else {
         program.set("u_guarantee", static_cast<float>(quality.guarantee_voxels));
-        // 2^-20: sixteen roundings of a sum of 64 products, each of at most the greatest value.
-        program.set("u_value_error",
-                    0x1p-20F * frame.field.pool().greatest_value() * stored_from_world);
+        // 2^-19: 32 roundings of a sum of 64 products, each of at most the greatest sample; 24 are
+        // the longest way through it.
+        program.set("u_value_error", 0x1p-19F * frame.field.pool().greatest_stored());
     }
     program.set("u_world_from_index",
                 Eigen::Matrix3f(field.space().world_from_index.linear().cast<float>()));

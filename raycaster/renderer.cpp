@@ -27,6 +27,8 @@ void Renderer::load(Scene scene, const Progress& progress) {
     control_ = control_samples(scene.field, scene.filter, progress);
     ranges_ = find_block_ranges(*control_, kernel_of(scene.filter), progress);
     active_ = active_pages(ranges_, iso);
+    active_ =
+        active_pages(ranges_, iso, storage_error(ranges_, active_, iso, scene.storage.format));
     field_ = FieldOnGpu(*scene.field, *control_, kernel_of(scene.filter), ranges_, active_, iso,
                         scene.storage, progress);
     // Refining a hit reads the block before as well, which may be gone by then.

@@ -18,6 +18,8 @@ float next_part(vec3 p_in, vec3 d, vec3 inverse, uvec2 parts, float s, float s_o
     while (is_seeking) {
         bvec3 is_up = greaterThanEqual(inverse, vec3(0.0));
         vec3 exits = (2.0 * vec3(mix(part, part + 1, is_up)) - p_in) * inverse;
+        // Out of the block the ray goes at s_out, whatever rounding makes of it.
+        exits = mix(exits, vec3(s_out), equal(part, mix(ivec3(0), ivec3(3), is_up)));
         float first_exit = min(exits.x, min(exits.y, exits.z));
         s = max(s, first_exit);
         // In whole numbers along the axis of the exit, so that the walk cannot stall.
@@ -91,12 +93,16 @@ bool find_hit(Block b, Accuracy accuracy, vec3 point, float t_in, vec3 d, vec3 i
             lo = has_crossed ? lo : s;
         } else {
             float sure = value - accuracy.value_error;
-            float safe = safe_step(b, sure > 0.0 ? sure : 0.0, slope);
+            // The slope may err by four times as much [1/voxel]: the sums of |weights| are 2 and 1.
+            float slope_error = 4.0 * accuracy.value_error;
+            float safe = safe_step(b, sure > 0.0 ? sure : 0.0, slope - slope_error);
             // A root before `latest` for sure, and only one, if the opposite parabola falls.
             float above = value + accuracy.value_error;
-            float fall = slope * slope - 2.0 * b.bend * above;
-            float latest = s + 2.0 * above / (sqrt(fall > 0.0 ? fall : 0.0) - slope);
-            bool is_near = above < b.near && slope < 0.0 && fall > 0.0 && latest <= s_out;
+            // Twice `above` is near: the parabola may rise from there before it falls, not as high.
+            float flatter = slope + slope_error;
+            float fall = flatter * flatter - 2.0 * b.bend * above;
+            float latest = s + 2.0 * above / (sqrt(fall > 0.0 ? fall : 0.0) - flatter);
+            bool is_near = 2.0 * above < b.near && flatter < 0.0 && fall > 0.0 && latest <= s_out;
             is_bracketed = has_crossed || is_near;
             hi = has_crossed ? s : latest;
             lo = has_crossed ? lo : s;

@@ -3,6 +3,8 @@
 #version 450 core
 #include "raycast/field.glsl"
 
+uniform float u_world_from_stored;
+
 struct Probe {
     vec4 p_local;
     vec4 direction;
@@ -20,7 +22,7 @@ void main() {
     uint i = gl_GlobalInvocationID.x;
     if (i >= probes.length()) return;
     vec3 p_local = probes[i].p_local.xyz;
-    results[i] = Result(vec4(0.0), vec4(field_gradient(p_local), 0.0));
+    results[i] = Result(vec4(0.0), vec4(u_world_from_stored * field_gradient(p_local), 0.0));
     uint word = word_at(block_of(p_local));
     if (!is_active(word)) return;
     Block b = fetch_block(int(word & word_number));

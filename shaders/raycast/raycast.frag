@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #version 450 core
 #include "common/ray.glsl"
+#include "raycast/parts.glsl" // here, since a file is included once, also where #if leaves it out
 // SEARCH 0: certified steps, 1: samples at a rate.
 #if SEARCH == 0
 #include "raycast/march.glsl"

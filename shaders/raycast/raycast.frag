@@ -77,14 +77,14 @@ void main() {
     while (i < end) {
         int number = texelFetch(t_lists, i).r;
         Block b = fetch_block(number);
+        vec2 segment = clip_to_box(place, inverse, b.lo, b.lo + block_size);
+        segment = vec2(max(segment.x, range.x), min(segment.y, range.y));
 #if IS_STREAMED
-        if (!visit(number, b.address >= 0)) {
+        if (segment.x < segment.y && !visit(number, b.address >= 0)) {
             is_waiting = true;
             break;
         }
 #endif
-        vec2 segment = clip_to_box(place, inverse, b.lo, b.lo + block_size);
-        segment = vec2(max(segment.x, range.x), min(segment.y, range.y));
         float s;
         bool is_hit = find_hit(b, accuracy, point, segment.x, d, inverse,
                                segment.y - segment.x, side, s);

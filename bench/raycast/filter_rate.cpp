@@ -73,7 +73,7 @@ void run_filter_rate(int repeats) {
     for (int turn = 0; turn < repeats; ++turn)
         for (const Method& m : methods) {
             const gl::Program& program =
-                shaders.program({{"common/fullscreen.vert", "raycast/filter_rate.frag"},
+                shaders.program({{"raycast/whole_picture.vert", "raycast/filter_rate.frag"},
                                  {{"METHOD", std::to_string(m.method)},
                                   {"KERNEL", std::to_string(m.kernel)},
                                   {"FETCH", std::to_string(m.fetch)},

@@ -1,0 +1,8 @@
+// One triangle that covers the picture.
+// SPDX-License-Identifier: MPL-2.0
+#version 450 core
+
+void main() {
+    vec2 corner = vec2((gl_VertexID & 1) * 4 - 1, (gl_VertexID & 2) * 2 - 1);
+    gl_Position = vec4(corner, 0.0, 1.0);
+}

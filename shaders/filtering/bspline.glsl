@@ -1,6 +1,6 @@
-// The weights of the reconstruction kernels, and the two linear fetches that replace four samples.
+// The weights of the reconstruction kernels.
 // SPDX-License-Identifier: MPL-2.0
-// source  thesis eqs 5.2, 5.5, 5.6, 5.9 (misprints of w1 and w1' corrected)
+// source  thesis eqs 5.2, 5.9 (misprints of w1 and w1' corrected)
 // twin    filtering/bspline.cpp
 //
 // KERNEL 0: linear, 1: cubic B-spline, 2: Catmull-Rom.

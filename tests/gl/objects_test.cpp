@@ -8,6 +8,7 @@
 #include <glad/gl.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numeric>
 #include <vector>
 
@@ -54,6 +55,36 @@ TEST_F(Objects, UploadedBoxIsWhereItWasPut) {
                     is_inside ? float((x - 1) + 2 * ((y - 2) + 3 * (z - 3))) : -1.0f;
                 EXPECT_EQ(all[std::size_t(x + 4 * (y + 5 * z))], expected);
             }
+}
+
+TEST_F(Objects, WritableBufferHoldsThePiecesWrittenToIt) {
+    Buffer buffer = Buffer::writable(4 * 1000, "pieces");
+    const auto write = [&](int first, int count) {
+        buffer.write(4 * first, 4 * count, [&](std::span<std::byte> memory) {
+            std::vector<int> numbers(static_cast<std::size_t>(count));
+            std::iota(numbers.begin(), numbers.end(), first);
+            std::ranges::copy(std::as_bytes(std::span(numbers)), memory.begin());
+        });
+    };
+    write(400, 600);
+    write(0, 300);
+    write(300, 100);
+    std::vector<int> numbers(1000);
+    glGetNamedBufferSubData(buffer.id(), 0, 4000, numbers.data());
+    for (int i = 0; i < 1000; ++i) ASSERT_EQ(numbers[static_cast<std::size_t>(i)], i);
+    buffer.write(0, 0, [](std::span<std::byte>) { FAIL() << "nothing to write"; });
+}
+
+TEST_F(Objects, ClearedImageHoldsTheNumber) {
+    Texture image = Texture::image(Format::R32i, 5, 3, "numbers");
+    image.clear(-7);
+    std::vector<int> numbers(15);
+    glGetTextureImage(image.id(), 0, GL_RED_INTEGER, GL_INT, 60, numbers.data());
+    EXPECT_EQ(numbers, std::vector<int>(15, -7));
+}
+
+TEST_F(Objects, BufferTexturesHoldWhatTheStandardPromises) {
+    EXPECT_GE(max_buffer_texels(), 65536); // the least that OpenGL 4.5 allows
 }
 
 TEST_F(Objects, TimerGrowsWithTheWork) {

@@ -220,6 +220,27 @@ TEST_F(RefusedOption, UnknownFilter) {
            {"--filter", "cubic", "linear", "bspline", "interpolating", "exact", "catmull-rom"});
 }
 
+TEST_F(RefusedOption, StorageThatThereIsNot) {
+    const auto refused = [&](const char* option, const char* value,
+                             std::vector<std::string> words) {
+        words.insert(words.begin(), {option, value});
+        expect(2, isocast({"render", "field:torus@16", "-o", out("a.png"), option, value}), words);
+    };
+    refused("--storage", "float8", {"float32", "float16", "norm16"});
+    refused("--fetch", "cells", {"rows", "samples"});
+    for (const char* mebibytes : {"0", "-1", "nan"}) refused("--texture-memory", mebibytes, {});
+    for (const char* rate : {"0", "-1", "65"}) refused("--rate", rate, {"64"});
+    refused("--rate-factor", "0", {});
+    // A texture budget that holds no brick, or not all where all are needed.
+    expect(4,
+           isocast({"render", "field:torus@16", "-o", out("a.png"), "--texture-memory", "0.001"}),
+           {"texture budget", "brick"});
+    expect(4,
+           isocast({"render", "field:torus@64", "-o", out("a.png"), "--texture-memory", "0.1",
+                    "--rate", "1"}),
+           {"rate", "all bricks"});
+}
+
 TEST_F(RefusedOption, UnknownOption) {
     for (const char* verb : {"convert", "render", "info", "sample"})
         expect(2, isocast({verb, "mesh:knot", "-o", out("a.vdb"), "--frobnicate"}),

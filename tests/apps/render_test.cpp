@@ -266,6 +266,24 @@ TEST(Render, GuaranteeDecidesAboutGrazingRaysOnly) {
     EXPECT_GE(coarse_count, 0.9 * fine_count);
 }
 
+TEST(Render, TextureBudgetChangesNothingButTheLoading) {
+    const TemporaryFolder folder;
+    const auto bricks = [&](const char* mebibytes) {
+        const Json json = Json::parse(checked_output(
+            isocast(render("field:gyroid@48", folder / "a.exr",
+                           {"--aov", "P,N", "--texture-memory", mebibytes, "--json"}))));
+        return json["bricks"];
+    };
+    const Json all = bricks("100");
+    const auto whole = ExrFile(folder / "a.exr").channels;
+    EXPECT_EQ(all["resident"], all["active"]);
+    EXPECT_EQ(all["loaded"], all["active"]);
+    const Json few = bricks("0.5");
+    EXPECT_EQ(few["active"], all["active"]);
+    EXPECT_LT(few["resident"], all["active"]);
+    EXPECT_EQ(ExrFile(folder / "a.exr").channels, whole);
+}
+
 TEST(Render, FileWithoutAnIsoValueIsDrawnAtTheSuggestedOne) {
     const TemporaryFolder folder;
     checked_output(isocast({"sample", "field:marschner-lobb@20", "-o", folder / "a.vdb"}));

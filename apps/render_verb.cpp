@@ -176,6 +176,7 @@ void report_json(const RenderCommand& command, const gl::DriverInfo& driver,
                  {{"resident", pool.resident_count()},
                   {"active", pool.brick_count()},
                   {"loaded", pool.loaded_count()}}},
+                {"storage_error", pool.storage_error()}, // of a sample, world units
                 {"seconds",
                  {{"field", seconds.field},
                   {"context", seconds.context},
@@ -186,7 +187,7 @@ void report_json(const RenderCommand& command, const gl::DriverInfo& driver,
                 {"warnings", warnings}});
 }
 
-void explain(const FrameReport& frame) {
+void explain(const FrameReport& frame, const BrickPool& pool, double voxel_size_world) {
     constexpr double mib = 1 << 20;
     fmt::print("{:<12} {:>10} {:>10}  {}\n", "pass", "ms", "MiB", "asked by");
     for (const PassReport& pass : frame.passes)
@@ -197,6 +198,10 @@ void explain(const FrameReport& frame) {
             fmt::print("{:<12} {:>10} {:>10}  nothing: does not run\n", pass.name, "-", "-");
     fmt::print("{} programs; images {:.2f} MiB, field {:.2f} MiB\n", frame.programs_compiled,
                double(frame.image_bytes) / mib, double(frame.field_bytes) / mib);
+    fmt::print(
+        "{} of {} bricks on the GPU, {} loaded; stored samples err by {:.2g} voxel at most\n",
+        pool.resident_count(), pool.brick_count(), pool.loaded_count(),
+        pool.storage_error() / voxel_size_world);
 }
 
 void report(const RenderCommand& command, const gl::DriverInfo& driver, const Renderer& renderer,
@@ -288,7 +293,7 @@ void run(const RenderCommand& command, const std::vector<std::filesystem::path>&
         report_json(command, context->driver(), renderer, frame, warnings, seconds);
         return;
     }
-    if (command.explain) explain(frame);
+    if (command.explain) explain(frame, renderer.pool(), scene.field->space().voxel_size_world());
     report(command, context->driver(), renderer, seconds);
 }
 

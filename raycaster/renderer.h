@@ -31,6 +31,8 @@ class Renderer {
 public:
     /// shader_folder  the project's shaders/
     Renderer(gl::Context& context, const std::filesystem::path& shader_folder);
+    Renderer(const Renderer&) = delete; // the bricks on the GPU refer to the ranges here
+    Renderer& operator=(const Renderer&) = delete;
 
     /// Finds the active blocks and uploads their bricks.
     /// throws  InputError if the scene has no field; ResourceError if it does not fit

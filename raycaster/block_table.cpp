@@ -52,8 +52,8 @@ PageBox box_of(const BlockRanges& ranges, const std::vector<ActivePage>& active)
 
 /// Chebyshev distance to the nearest page with distance 0, in place; at most `far`.
 ///
-/// Two sweeps over the half of the 26 neighbours that came before; for this metric they are exact.
-/// source  Borgefors 1986, chessboard distance
+/// Two sweeps, each over the half of the 26 neighbours that came before. They are exact: a shortest
+/// path takes its steps in any order, so those that the first sweep follows may come last.
 void spread_distances(std::vector<std::uint32_t>& distance, const Index3& size) {
     const auto sweep = [&](int direction) {
         for (int k = 0; k < size.z(); ++k) {

@@ -1,5 +1,6 @@
 // Certificates: no point of a block exceeds them, and they are no wider than their derivation says.
 // SPDX-License-Identifier: MPL-2.0
+#include "../volume/random_fields.h"
 #include "filtering/bounds.h"
 
 #include "volume/grid_space.h"
@@ -17,12 +18,9 @@
 namespace isocast {
 namespace {
 
-using Random = std::mt19937;
+using test::Random;
+using test::random_real;
 constexpr std::array kernels{Kernel::Linear, Kernel::BSpline, Kernel::CatmullRom};
-
-double random_real(Random& random, double lo, double hi) {
-    return std::uniform_real_distribution(lo, hi)(random);
-}
 
 /// Control samples of one block within rows and planes that are longer than the block needs, what
 /// lies between being huge.

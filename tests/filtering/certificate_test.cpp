@@ -1,5 +1,6 @@
 // Certificates: no point of a block exceeds them, and they are the hulls that their derivation
 // says. SPDX-License-Identifier: MPL-2.0
+#include "../volume/random_fields.h"
 #include "filtering/certificate.h"
 
 #include "filtering/bounds.h"
@@ -19,14 +20,11 @@
 namespace isocast {
 namespace {
 
-using Random = std::mt19937;
+using test::Random;
+using test::random_real;
 using Function = std::function<double(int x, int y, int z)>;
 using Array3 = std::array<int, 3>;
 constexpr std::array kernels{Kernel::Linear, Kernel::BSpline, Kernel::CatmullRom};
-
-double random_real(Random& random, double lo, double hi) {
-    return std::uniform_real_distribution(lo, hi)(random);
-}
 
 /// Control samples of a block or a page within rows and planes that are longer than it needs, what
 /// lies between being huge.

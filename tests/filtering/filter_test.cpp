@@ -3,6 +3,7 @@
 #include "filtering/filter.h"
 
 #include "../volume/random_fields.h"
+#include "../volume/temporary_folder.h"
 #include "volume/analytic_fields.h"
 #include "volume/errors.h"
 
@@ -21,16 +22,6 @@ constexpr std::array filters{Filter::Linear, Filter::BSpline, Filter::Interpolat
 
 std::shared_ptr<const DenseField> dense(Random& random, const IndexBox& extent) {
     return std::make_shared<DenseField>(random_dense(random, extent));
-}
-
-template<class Error, class Call>
-std::string message_of(Call call) {
-    try {
-        call();
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return "no error";
 }
 
 TEST(Filter, NamesGoBothWays) {

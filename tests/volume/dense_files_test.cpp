@@ -51,15 +51,6 @@ std::vector<float> samples_of(const FieldSource& field) {
     return copied(field, field.extent());
 }
 
-/// A turned grid with three spacings, and numbers that need all their digits.
-GridSpace turned_space() {
-    GridSpace space;
-    const Mat3d turn = Eigen::AngleAxisd(0.4, Vec3d(1, 2, 3).normalized()).toRotationMatrix();
-    space.world_from_index.linear() = turn * Vec3d(0.1, 1.0 / 3, 2.7e-5).asDiagonal();
-    space.world_from_index.translation() = Vec3d(1e6 / 3, -0.1, 7e-9);
-    return space;
-}
-
 GridSpace sheared_space() {
     GridSpace space;
     space.world_from_index.linear() << 1, 0.2, 0, 0, 1, 0, 0, 0, 2;

@@ -17,6 +17,15 @@ inline int random_int(Random& random, int lo, int hi) {
     return std::uniform_int_distribution(lo, hi)(random);
 }
 
+/// A turned grid with three spacings, and numbers that need all their digits.
+inline GridSpace turned_space() {
+    GridSpace space;
+    const Mat3d turn = Eigen::AngleAxisd(0.4, Vec3d(1, 2, 3).normalized()).toRotationMatrix();
+    space.world_from_index.linear() = turn * Vec3d(0.1, 1.0 / 3, 2.7e-5).asDiagonal();
+    space.world_from_index.translation() = Vec3d(1e6 / 3, -0.1, 7e-9);
+    return space;
+}
+
 inline double random_real(Random& random, double lo, double hi) {
     return std::uniform_real_distribution(lo, hi)(random);
 }
@@ -45,8 +54,7 @@ inline DenseField random_dense(Random& random, const IndexBox& extent) {
 
 /// Blocks with coordinates in [-reach, reach]^3, each there with `probability`. Half of them hold
 /// noise, a quarter one constant ± background, a quarter ± background at random.
-inline FieldBlocks random_blocks(Random& random, int reach, double probability,
-                                             float background) {
+inline FieldBlocks random_blocks(Random& random, int reach, double probability, float background) {
     FieldBlocks blocks;
     const auto sign = [&] { return random_int(random, 0, 1) == 0 ? -background : background; };
     for (int z = -reach; z <= reach; ++z) {

@@ -52,15 +52,6 @@ TEST(VolumeFiles, ExtensionsAreKnownInAnyCase) {
     EXPECT_THAT(message_of<InputError>([] { read_field("a.tif"); }), HasSubstr(".nii.gz"));
 }
 
-/// A turned grid with three spacings, and numbers that need all their digits.
-GridSpace turned_space() {
-    GridSpace space;
-    const Mat3d turn = Eigen::AngleAxisd(0.4, Vec3d(1, 2, 3).normalized()).toRotationMatrix();
-    space.world_from_index.linear() = turn * Vec3d(0.1, 1.0 / 3, 2.7e-5).asDiagonal();
-    space.world_from_index.translation() = Vec3d(1e6 / 3, -0.1, 7e-9);
-    return space;
-}
-
 TEST(VolumeFiles, OurOwnFilesReadBackBitForBit) {
     Random random(2);
     const IndexBox extent{Index3(-3, 5, -70), Index3(10, 8, -59)};

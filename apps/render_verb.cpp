@@ -36,6 +36,7 @@ struct RenderCommand {
     CameraSpec camera;
     std::optional<double> iso_world;
     Filter filter = Filter::Interpolating;
+    Traversal traversal = Quality{}.traversal;
     double guarantee_voxels = Quality{}.guarantee_voxels;
     std::optional<double> rate;
     int rate_factor = Quality{}.rate_factor;
@@ -242,6 +243,7 @@ void run(const RenderCommand& command, const std::vector<std::filesystem::path>&
     Scene scene;
     scene.filter = command.filter;
     scene.storage = command.storage;
+    scene.quality.traversal = command.traversal;
     scene.quality.guarantee_voxels = command.guarantee_voxels;
     scene.quality.rate = command.rate;
     scene.quality.rate_factor = command.rate_factor;
@@ -337,12 +339,22 @@ Verb render_verb(CLI::App& program, std::vector<std::filesystem::path> shader_fo
            "With --rate: N times as many samples within a voxel of the surface (default 1)")
         ->check(CLI::Range(1, 64))
         ->type_name("N");
+    add_parsed(
+        *app, "--traversal", command->traversal, named<traversal_from_name>,
+        "How rays find what to search; for comparison: lists (default, fastest), drawn (blocks "
+        "as geometry), bounds (bounding geometry), walk (of the grid of blocks)")
+        ->type_name("NAME");
     add_parsed(*app, "--storage", command->storage.format, named<sample_format_from_name>,
                "Samples on the GPU: float32 (default), float16, norm16 (16 bits in even steps)")
         ->type_name("FORMAT");
     add_parsed(*app, "--fetch", command->storage.fetch, named<fetch_from_name>,
                "rows (default: four samples a texel, fastest) or samples (a quarter of the memory)")
         ->type_name("NAME");
+    add_parsed(
+        *app, "--brick-size", command->storage.brick_size, named<brick_size_from_name>,
+        "Cells along the edge of a brick: 8 (default), 16, 32; none: all of the volume in one "
+        "array, for comparison")
+        ->type_name("N");
     add_parsed(
         *app, "--texture-memory", command->storage.budget_bytes, mebibytes_from,
         "Most memory for samples on the GPU (default 1024); beyond it they are loaded as rays "

@@ -38,6 +38,8 @@ FormatInfo info(Format format) {
         return {GL_R32I, GL_RED_INTEGER, 1, 4};
     case Format::R32ui:
         return {GL_R32UI, GL_RED_INTEGER, 1, 4};
+    case Format::Rg32f:
+        return {GL_RG32F, GL_RG, 2, 8};
     case Format::Rg32i:
         return {GL_RG32I, GL_RG_INTEGER, 2, 8};
     case Format::Rgba16:

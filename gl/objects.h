@@ -68,6 +68,7 @@ enum class Format {
     R32f,
     R32i,
     R32ui,
+    Rg32f,
     Rg32i,
     Rgba16,
     Rgba16f,

@@ -228,4 +228,37 @@ BlockTable make_block_table(const FieldSource& samples, const BlockRanges& range
     return table;
 }
 
+std::vector<Eigen::Vector2i> bounding_faces(const BlockTable& table) {
+    const PageBox box{table.first_page, table.pages};
+    const auto is_active = [](std::uint32_t word) { return (word & word_active) != 0; };
+    // Blocks from the table's corner; the ring of empty pages makes sure that neighbours are in it.
+    const auto word_at = [&](const Index3& block) {
+        const Index3 page = block / page_blocks;
+        const std::uint32_t word =
+            table.words[static_cast<std::size_t>(box.number(table.first_page + page))];
+        if (!is_active(word)) return word;
+        const Index3 at = block - page_blocks * page;
+        return table.words[(word & word_number) +
+                           static_cast<std::size_t>(place_in_page(at.x(), at.y(), at.z()))];
+    };
+    std::vector<Eigen::Vector2i> faces;
+    for (int i = 0; i < box.count(); ++i) {
+        const std::uint32_t page_word = table.words[static_cast<std::size_t>(i)];
+        if (!is_active(page_word)) continue;
+        const Index3 page(i % box.size.x(), i / box.size.x() % box.size.y(),
+                          i / (box.size.x() * box.size.y()));
+        for (int place = 0; place < blocks_per_page; ++place) {
+            const Index3 block = page_blocks * page + block_in_page(place);
+            const std::uint32_t word = word_at(block);
+            if (!is_active(word)) continue;
+            for (int face = 0; face < 6; ++face) {
+                const Index3 step = (face % 2 * 2 - 1) * Index3::Unit(face / 2);
+                if (!is_active(word_at(block + step)))
+                    faces.emplace_back(static_cast<int>(word & word_number), face);
+            }
+        }
+    }
+    return faces;
+}
+
 } // namespace isocast

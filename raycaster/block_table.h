@@ -41,4 +41,8 @@ struct BlockTable {
 BlockTable make_block_table(const FieldSource& samples, const BlockRanges& ranges,
                             const std::vector<ActivePage>& active, float iso);
 
+/// The faces between active blocks and others: number of the block, and 2 axis + 1 for the upper
+/// face (thesis section 6.3.1).
+std::vector<Eigen::Vector2i> bounding_faces(const BlockTable& table);
+
 } // namespace isocast

@@ -9,6 +9,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <stdexcept>
 
 namespace isocast {
@@ -44,24 +45,34 @@ template<class T>
 void store(const BrickLayout& layout, const T* page, int number, std::byte* out) {
     const int n = layout.per_page();
     const Index3 lo = layout.brick_size * Index3(number % n, number / n % n, number / (n * n));
-    const auto row_bytes = static_cast<std::size_t>(layout.samples()) * sizeof(T);
+    // Pages that share samples store their own, which start with the second in the page's array.
+    const int first = layout.is_whole ? filter_support_below : 0;
     for (int z = 0; z < layout.samples(); ++z) {
         for (int y = 0; y < layout.samples(); ++y) {
-            const T* row = page + in_page(lo.x(), lo.y() + y, lo.z() + z);
+            const T* row = page + in_page(lo.x(), lo.y() + first + y, lo.z() + first + z);
+            const std::int64_t texel =
+                y * std::int64_t{layout.row_stride} + z * std::int64_t{layout.plane_stride};
             if (layout.fetch == Fetch::Samples) {
-                std::memcpy(out, row, row_bytes);
-                out += row_bytes;
+                std::memcpy(out + texel * std::int64_t{sizeof(T)}, row + first,
+                            static_cast<std::size_t>(layout.samples()) * sizeof(T));
                 continue;
             }
-            for (int x = 0; x < layout.brick_size; ++x) {
-                std::memcpy(out, row + x, 4 * sizeof(T));
-                out += 4 * sizeof(T);
-            }
+            for (int x = 0; x < layout.brick_size; ++x)
+                std::memcpy(out + (texel + x) * std::int64_t{4 * sizeof(T)}, row + x,
+                            4 * sizeof(T));
         }
     }
 }
 
 } // namespace
+
+int brick_size_from_name(std::string_view name) {
+    if (name == "8") return 8;
+    if (name == "16") return 16;
+    if (name == "32") return 32;
+    if (name == "none") return no_bricks;
+    throw InputError(fmt::format("'{}' is not one of 8, 16, 32, none", name));
+}
 
 Fetch fetch_from_name(std::string_view name) {
     if (name == "rows") return Fetch::Rows;
@@ -89,13 +100,25 @@ gl::Format texel_format(const StorageOptions& options) {
     throw std::logic_error("unknown sample format");
 }
 
-BrickLayout::BrickLayout(const StorageOptions& options)
-    : fetch(options.fetch), brick_size(options.brick_size),
+BrickLayout::BrickLayout(const StorageOptions& options, const Index3& table_pages)
+    : fetch(options.fetch),
+      brick_size(options.brick_size == no_bricks ? page_size : options.brick_size),
+      is_whole(options.brick_size == no_bricks),
       row_stride(fetch == Fetch::Rows ? brick_size : samples()),
-      plane_stride(row_stride * samples()), brick_texels(std::int64_t{plane_stride} * samples()),
-      brick_bytes(brick_texels * gl::byte_count(texel_format(options))) {
+      plane_stride(row_stride * samples()), brick_texels(std::int64_t{plane_stride} * samples()) {
     if (brick_size != 8 && brick_size != 16 && brick_size != 32)
         throw InputError(fmt::format("bricks of {} cells: must be 8, 16 or 32", brick_size));
+    if (is_whole) {
+        const double texels = std::pow(page_size, 3) * table_pages.cast<double>().prod();
+        if (texels > std::numeric_limits<std::int32_t>::max()) {
+            throw ResourceError(
+                fmt::format("without bricks {:.3g} samples: more than an array holds", texels));
+        }
+        row_stride = page_size * table_pages.x();
+        plane_stride = row_stride * page_size * table_pages.y();
+        brick_texels = std::int64_t{plane_stride} * page_size * table_pages.z();
+    }
+    brick_bytes = brick_texels * gl::byte_count(texel_format(options));
 }
 
 int BrickLayout::brick_of(const Index3& block_in_page) const {
@@ -106,7 +129,11 @@ int BrickLayout::brick_of(const Index3& block_in_page) const {
 std::int64_t BrickLayout::address_in_brick(const Index3& block_in_page) const {
     const int per_brick = brick_size / block_size;
     const Index3 cell = block_size * (block_in_page - per_brick * (block_in_page / per_brick));
-    return cell.x() + std::int64_t{cell.y()} * row_stride + std::int64_t{cell.z()} * plane_stride;
+    // Of the array without bricks the first sample of a page's first cell lies in the page before.
+    const int below = is_whole ? filter_support_below : 0;
+    const int below_x = fetch == Fetch::Samples ? below : 0; // a row of four starts with it
+    return cell.x() - below_x + std::int64_t{cell.y() - below} * row_stride +
+           std::int64_t{cell.z() - below} * plane_stride;
 }
 
 std::uint64_t BrickLayout::bricks_of(std::uint64_t blocks) const {

@@ -29,10 +29,17 @@ enum class SampleFormat {
 Fetch fetch_from_name(std::string_view name);
 SampleFormat sample_format_from_name(std::string_view name);
 
+/// As a brick size: one array of all pages of the block table, empty ones too; to compare with.
+inline constexpr int no_bricks = 0;
+
+/// "8", "16", "32" or "none".
+/// throws  InputError that lists these
+int brick_size_from_name(std::string_view name);
+
 struct StorageOptions {
     Fetch fetch = Fetch::Rows;
     SampleFormat format = SampleFormat::Float32;
-    int brick_size = 8; // cells along an edge: 8, 16 or 32
+    int brick_size = 8; // cells along an edge: 8, 16 or 32; no_bricks
     /// Bytes that the samples may take; beyond them bricks are loaded when rays ask for them.
     std::int64_t budget_bytes = std::int64_t{1} << 30;
 };
@@ -41,22 +48,27 @@ gl::Format texel_format(const StorageOptions& options);
 
 /// A brick's texels, and the addresses of cells in them.
 struct BrickLayout {
-    explicit BrickLayout(const StorageOptions& options);
+    /// table_pages  extent of the block table, for no_bricks
+    explicit BrickLayout(const StorageOptions& options, const Index3& table_pages = Index3::Ones());
 
     Fetch fetch;
-    int brick_size; // cells along an edge
+    int brick_size; // cells along an edge; a page's without bricks
+    bool is_whole;  // no bricks: pages stand in one array and share the samples between them
     int row_stride; // texels from a row to the next along y
     int plane_stride;
-    std::int64_t brick_texels;
+    std::int64_t brick_texels; // without bricks, those of the whole array
     std::int64_t brick_bytes;
 
-    /// Samples along an edge: one below the cells and two above.
-    int samples() const { return brick_size + filter_support_below + filter_support_above; }
+    /// Samples stored along an edge: one below the cells and two above, unless bricks share them.
+    int samples() const {
+        return is_whole ? brick_size : brick_size + filter_support_below + filter_support_above;
+    }
     /// Bricks along an edge of a page.
     int per_page() const { return page_size / brick_size; }
     /// Of a page's blocks (by place_in_page), the bricks they are in, by x + n y + n^2 z.
     std::uint64_t bricks_of(std::uint64_t blocks) const;
-    /// The brick of a page's block, and the address of the block's first cell in it.
+    /// The brick of a page's block, and the address of the block's first sample from the brick's
+    /// first; without bricks it can lie before.
     int brick_of(const Index3& block_in_page) const;
     std::int64_t address_in_brick(const Index3& block_in_page) const;
 };
@@ -92,7 +104,7 @@ constexpr std::size_t in_page(int x, int y, int z) {
 /// Copies a brick's samples out of its page's, floats or codes.
 ///
 /// number  of the brick in its page
-/// out     layout.brick_bytes
+/// out     layout.brick_bytes; without bricks, where the page's own samples start in the array
 void store_brick(const BrickLayout& layout, const float* page, int number, std::byte* out);
 void store_brick(const BrickLayout& layout, const std::uint16_t* page, int number, std::byte* out);
 

@@ -40,12 +40,6 @@ std::uint32_t packed_place(const Index3& block) {
            static_cast<std::uint32_t>(block.z()) << 22;
 }
 
-/// What a thread needs to store a page.
-struct Workspace {
-    std::vector<float> values = std::vector<float>(samples_per_page);
-    std::vector<std::uint16_t> codes = std::vector<std::uint16_t>(samples_per_page);
-};
-
 /// Greatest |value - iso| of the active pages' samples.
 float greatest_value_of(const BlockRanges& ranges, const std::vector<ActivePage>& active,
                         float iso) {
@@ -59,6 +53,12 @@ float greatest_value_of(const BlockRanges& ranges, const std::vector<ActivePage>
 
 } // namespace
 
+/// What a thread needs to store a page.
+struct BrickPool::Workspace {
+    std::vector<float> values = std::vector<float>(samples_per_page);
+    std::vector<std::uint16_t> codes = std::vector<std::uint16_t>(samples_per_page);
+};
+
 float storage_error(const BlockRanges& ranges, const std::vector<ActivePage>& active, float iso,
                     SampleFormat format) {
     return Codec(format, greatest_value_of(ranges, active, iso)).error();
@@ -67,8 +67,9 @@ float storage_error(const BlockRanges& ranges, const std::vector<ActivePage>& ac
 BrickPool::BrickPool(const FieldSource& control, Kernel kernel, const BlockRanges& ranges,
                      const std::vector<ActivePage>& active, const BlockTable& table, float iso,
                      const StorageOptions& options, const Progress& progress)
-    : options_(options), layout_(options), kernel_(kernel), control_(&control), ranges_(&ranges),
-      iso_(iso), greatest_value_(greatest_value_of(ranges, active, iso)), active_(active) {
+    : options_(options), layout_(options, table.pages), first_page_(table.first_page),
+      kernel_(kernel), control_(&control), ranges_(&ranges), iso_(iso),
+      greatest_value_(greatest_value_of(ranges, active, iso)), active_(active) {
     codec_ = Codec(options.format, greatest_value_);
     const Index3 extent = page_blocks * table.pages;
     if (extent.x() > 2048 || extent.y() > 2048 || extent.z() > 1024) {
@@ -101,11 +102,14 @@ BrickPool::BrickPool(const FieldSource& control, Kernel kernel, const BlockRange
                                         gl::max_buffer_texels() / layout_.brick_texels);
     slot_count_ = static_cast<int>(std::min<std::int64_t>(limit, brick_count()));
     if (slot_count_ == 0 && brick_count() > 0) {
-        throw ResourceError(fmt::format("a texture budget of {} bytes holds no brick of {}",
-                                        options.budget_bytes, layout_.brick_bytes));
+        throw ResourceError(fmt::format("a texture budget of {} bytes holds no {} of {}",
+                                        options.budget_bytes, layout_.is_whole ? "array" : "brick",
+                                        layout_.brick_bytes));
     }
+    if (layout_.is_whole) slot_count_ = brick_count();
     brick_in_slot_.assign(static_cast<std::size_t>(slot_count_), -1);
-    samples_ = gl::Buffer::writable(slot_count_ * layout_.brick_bytes, "brick samples");
+    samples_ = gl::Buffer::writable((layout_.is_whole ? 1 : slot_count_) * layout_.brick_bytes,
+                                    "brick samples");
     records_ = gl::Buffer::writable(
         static_cast<std::int64_t>(block_records_.size() * sizeof(RecordWords)), "block records");
     if (holds_all()) {
@@ -113,8 +117,13 @@ BrickPool::BrickPool(const FieldSource& control, Kernel kernel, const BlockRange
         std::iota(all.begin(), all.end(), 0);
         for (const int brick : all) bricks_[static_cast<std::size_t>(brick)].slot = brick;
         std::ranges::copy(all, brick_in_slot_.begin());
-        samples_.write(0, slot_count_ * layout_.brick_bytes, [&](std::span<std::byte> memory) {
-            store(all, [&](int brick) { return memory.data() + brick * layout_.brick_bytes; });
+        const int texel_bytes = gl::byte_count(texel_format(options));
+        samples_.write(0, samples_.byte_count(), [&](std::span<std::byte> memory) {
+            store(all, [&](int brick) {
+                return memory.data() +
+                       texel_bytes * first_texel(bricks_[static_cast<std::size_t>(brick)]);
+            });
+            if (layout_.is_whole) store_others(table, memory.data());
         });
         resident_count_ = brick_count();
     }
@@ -125,6 +134,62 @@ BrickPool::BrickPool(const FieldSource& control, Kernel kernel, const BlockRange
     });
     samples_texture_ = gl::BufferTexture(samples_, texel_format(options), "brick samples");
     records_texture_ = gl::BufferTexture(records_, gl::Format::Rgba32ui, "block records");
+}
+
+std::int64_t BrickPool::first_texel(const Brick& brick) const {
+    if (!layout_.is_whole) return brick.slot * layout_.brick_texels;
+    return first_texel_of_page(
+        ranges_->pages[active_[static_cast<std::size_t>(brick.page)].page].coordinate);
+}
+
+std::int64_t BrickPool::first_texel_of_page(const Index3& page) const {
+    const Index3 at = page_size * (page - first_page_);
+    return at.x() + at.y() * std::int64_t{layout_.row_stride} +
+           at.z() * std::int64_t{layout_.plane_stride};
+}
+
+void BrickPool::read_page(const Index3& page, Workspace& work) const {
+    const Index3 first = (page_size * page.array() - filter_support_below).matrix();
+    control_->copy_box({first, (first.array() + page_samples).matrix()}, 0, work.values);
+    for (float& value : work.values) value -= iso_;
+    if (options_.format == SampleFormat::Float32) return;
+    for (std::size_t k = 0; k < samples_per_page; ++k) {
+        work.codes[k] = codec_.encode(work.values[k]);
+        // Bounds are those of the samples as stored.
+        work.values[k] = codec_.decode(work.codes[k]);
+    }
+}
+
+void BrickPool::store_brick_of(const Workspace& work, int number, std::byte* out) const {
+    if (options_.format == SampleFormat::Float32)
+        store_brick(layout_, work.values.data(), number, out);
+    else
+        store_brick(layout_, work.codes.data(), number, out);
+}
+
+/// Without bricks, the pages around those that are active: their samples belong to cells of these.
+/// Of the others' any number will do for a code that does not hold it.
+void BrickPool::store_others(const BlockTable& table, std::byte* memory) const {
+    std::vector<std::uint8_t> is_active(static_cast<std::size_t>(table.pages.prod()), 0);
+    const auto number_of = [&](const Index3& p) {
+        return static_cast<std::size_t>(p.x() +
+                                        table.pages.x() * (p.y() + table.pages.y() * p.z()));
+    };
+    for (const ActivePage& page : active_)
+        is_active[number_of(ranges_->pages[page.page].coordinate - first_page_)] = 1;
+    const int texel_bytes = gl::byte_count(texel_format(options_));
+    tbb::enumerable_thread_specific<Workspace> workspaces;
+    tbb::parallel_for(0, table.pages.z(), [&](int z) {
+        for (int y = 0; y < table.pages.y(); ++y) {
+            for (int x = 0; x < table.pages.x(); ++x) {
+                if (is_active[number_of({x, y, z})] != 0) continue;
+                const Index3 page = first_page_ + Index3(x, y, z);
+                Workspace& work = workspaces.local();
+                read_page(page, work);
+                store_brick_of(work, 0, memory + texel_bytes * first_texel_of_page(page));
+            }
+        }
+    });
 }
 
 /// Cuts bricks out of the field to place(i-th of them), and makes their blocks' records.
@@ -147,26 +212,12 @@ void BrickPool::store(std::span<const int> bricks, const std::function<std::byte
         const auto active =
             static_cast<std::size_t>(bricks_[static_cast<std::size_t>(bricks[starts[task]])].page);
         const BlockPage& page = ranges_->pages[active_[active].page];
-        const Index3 first = (page_size * page.coordinate.array() - filter_support_below).matrix();
-        control_->copy_box({first, (first.array() + page_samples).matrix()}, 0, work.values);
-        for (float& value : work.values) value -= iso_;
-        if (options_.format != SampleFormat::Float32) {
-            for (std::size_t k = 0; k < samples_per_page; ++k) {
-                work.codes[k] = codec_.encode(work.values[k]);
-                // Bounds are those of the samples as stored.
-                work.values[k] = codec_.decode(work.codes[k]);
-            }
-        }
+        read_page(page.coordinate, work);
         std::uint64_t numbers = 0; // of the bricks in their page
         for (std::size_t i = starts[task]; i < starts[task + 1]; ++i) {
             const int number = bricks_[static_cast<std::size_t>(bricks[i])].number;
             numbers |= std::uint64_t{1} << number;
-            std::byte* out = place(static_cast<int>(i));
-            if (options_.format == SampleFormat::Float32) {
-                store_brick(layout_, work.values.data(), number, out);
-            } else {
-                store_brick(layout_, work.codes.data(), number, out);
-            }
+            store_brick_of(work, number, place(static_cast<int>(i)));
         }
         auto block = static_cast<std::size_t>(first_blocks_[active]);
         for (std::uint64_t rest = active_[active].blocks; rest != 0; rest &= rest - 1, ++block) {
@@ -182,8 +233,8 @@ void BrickPool::store(std::span<const int> bricks, const std::function<std::byte
             record.bend = bounds.bend * stored_from_world;
             record.near = bounds.near * stored_from_world;
             record.scale = 1;
-            record.address = static_cast<std::int32_t>(brick.slot * layout_.brick_texels +
-                                                       layout_.address_in_brick(at));
+            record.address =
+                static_cast<std::int32_t>(first_texel(brick) + layout_.address_in_brick(at));
             record.parts_lo = static_cast<std::uint32_t>(bounds.parts);
             record.parts_hi = static_cast<std::uint32_t>(bounds.parts >> 32);
             block_records_[block] = std::bit_cast<RecordWords>(record);

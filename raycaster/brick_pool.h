@@ -60,6 +60,7 @@ public:
     std::map<std::string, std::string> defines() const;
 
 private:
+    struct Workspace;
     struct Brick {
         std::int32_t page;   // in active_
         std::int32_t number; // in its page
@@ -68,9 +69,16 @@ private:
     };
 
     void store(std::span<const int> bricks, const std::function<std::byte*(int)>& place);
+    void store_whole(const BlockTable& table);
+    void store_others(const BlockTable& table, std::byte* memory) const;
+    void read_page(const Index3& page, Workspace& work) const;
+    void store_brick_of(const Workspace& work, int number, std::byte* out) const;
+    std::int64_t first_texel(const Brick& brick) const;
+    std::int64_t first_texel_of_page(const Index3& page) const;
 
     StorageOptions options_;
     BrickLayout layout_{options_};
+    Index3 first_page_ = Index3::Zero(); // of the table
     Codec codec_{SampleFormat::Float32, 0};
     Kernel kernel_ = Kernel::BSpline;
     const FieldSource* control_ = nullptr;

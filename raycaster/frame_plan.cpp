@@ -10,6 +10,8 @@ namespace isocast {
 
 std::string_view name_of(FrameImage image) {
     switch (image) {
+    case FrameImage::Bounds:
+        return "bounds";
     case FrameImage::Hit:
         return "hit";
     case FrameImage::Gradient:

@@ -12,11 +12,12 @@ namespace isocast {
 
 /// The images of a frame. A changed image gets a new name, so each has one writer.
 enum class FrameImage {
+    Bounds,   // where rays first and last meet the faces around active blocks: t, -t [voxels]
     Hit,      // first hit: eye-relative position [world], object
     Gradient, // gradient of the field at the hit [1/world * world], world axes
     Beauty,   // shaded colour, linear
 };
-inline constexpr int frame_image_count = 3;
+inline constexpr int frame_image_count = 4;
 
 std::string_view name_of(FrameImage image);
 

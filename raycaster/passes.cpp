@@ -3,7 +3,6 @@
 
 #include "gl/readback.h"
 
-#include <Eigen/Eigenvalues>
 #include <glad/gl.h>
 
 #include <algorithm>
@@ -17,6 +16,19 @@ namespace {
 
 const gl::ProgramKey blinn_phong_program{
     {"common/tiles.vert", "shading/blinn_phong/blinn_phong.frag"}, {}};
+
+gl::ProgramKey raycast_program(std::map<std::string, std::string> defines, int search,
+                               Traversal traversal) {
+    defines.emplace("SEARCH", std::to_string(search));
+    defines.emplace("TRAVERSAL", std::to_string(static_cast<int>(traversal)));
+    return {{traversal == Traversal::DrawnBlocks ? "raycast/drawn_block.vert" : "common/tiles.vert",
+             "raycast/raycast.frag"},
+            std::move(defines)};
+}
+
+gl::ProgramKey bounds_program(const BrickPool& pool) {
+    return {{"raycast/bounds.vert", "raycast/bounds.frag"}, pool.defines()};
+}
 
 gl::ProgramKey field_program(const char* fragment_shader, const BrickPool& pool) {
     return {{"common/tiles.vert", fragment_shader}, pool.defines()};
@@ -55,6 +67,35 @@ RayCoefficients set_ray_uniforms(const gl::Program& program, const FrameContext&
     return ray;
 }
 
+/// Of shaders/raycast/faces.glsl.
+void set_face_uniforms(const gl::Program& program, const FrameContext& frame) {
+    const Camera& camera = frame.camera;
+    const GridSpace& space = frame.scene.field->space();
+    const bool is_perspective = camera.projection == Projection::Perspective;
+    const double half_height = is_perspective
+                                   ? std::tan(camera.fov_y_degrees * std::numbers::pi / 360)
+                                   : camera.height_world / 2;
+    const Mat3d rotation = camera.view_from_world_rotation();
+    const Mat3d view_from_index = rotation * space.world_from_index.linear();
+    const Vec3d offset_view =
+        rotation *
+        (space.to_world(frame.field.local_origin_index().cast<double>()) - camera.eye_world);
+    Eigen::Matrix<double, 4, 4> clip_from_view = Eigen::Matrix4d::Zero();
+    clip_from_view(0, 0) = frame.height / (half_height * frame.width);
+    clip_from_view(1, 1) = 1 / half_height;
+    // Depth is not looked at: faces are clipped where they reach behind the eye alone.
+    (is_perspective ? clip_from_view(3, 2) : clip_from_view(3, 3)) = is_perspective ? -1 : 1;
+    Eigen::Matrix4d view_from_local = Eigen::Matrix4d::Identity();
+    view_from_local.topLeftCorner<3, 3>() = view_from_index;
+    view_from_local.topRightCorner<3, 1>() = offset_view;
+    program.set("u_clip_from_local",
+                Eigen::Matrix4f((clip_from_view * view_from_local).cast<float>()));
+    // A 64th of a pixel at least; rasterisers keep a 256th.
+    const double voxels_per_world = space.world_from_index.linear().inverse().norm();
+    program.set("u_margin",
+                static_cast<float>(2 * half_height / frame.height / 64 * voxels_per_world));
+}
+
 void set_fixed_state() {
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_CULL_FACE);
@@ -65,12 +106,12 @@ void set_fixed_state() {
 void draw_on_tiles(const FrameContext& frame, const gl::Program& program) {
     set_fixed_state();
     frame.no_vertices.bind();
-    frame.tiles.runs_texture.bind_to_unit(7);
+    frame.places.runs.texture.bind_to_unit(7);
     program.set("u_clip_from_tile",
                 Eigen::Vector2f(2.0F * tile_pixels / static_cast<float>(frame.width),
                                 2.0F * tile_pixels / static_cast<float>(frame.height)));
     program.use();
-    glDrawArrays(GL_TRIANGLES, 0, 6 * frame.tiles.run_count);
+    glDrawArrays(GL_TRIANGLES, 0, 6 * frame.places.run_count);
 }
 
 /// The same into an image whose other pixels become `empty`.
@@ -117,6 +158,35 @@ void draw_streamed(FrameContext& frame, FrameImage image, const gl::Program& pro
     } while (!missing.empty());
 }
 
+/// Draws blocks layer by layer; shaders read the hits of the layers before.
+void draw_blocks(const FrameContext& frame, FrameImage image, const gl::Program& program) {
+    frame.targets.framebuffer(image).bind();
+    const Eigen::Vector4f empty = Eigen::Vector4f::Zero();
+    glClearBufferfv(GL_COLOR, 0, empty.data());
+    set_fixed_state();
+    set_face_uniforms(program, frame);
+    const Vec3d forward = frame.camera.view_from_world_rotation().transpose() * Vec3d(0, 0, -1);
+    const GridSpace& space = frame.scene.field->space();
+    Eigen::Vector4d eye;
+    if (frame.camera.projection == Projection::Perspective)
+        eye << space.to_index(frame.camera.eye_world) -
+                   frame.field.local_origin_index().cast<double>(),
+            1;
+    else
+        eye << -(space.world_from_index.linear().inverse() * forward).normalized(), 0;
+    program.set("u_eye", Eigen::Vector4f(eye.cast<float>()));
+    frame.places.order.texture.bind_to_unit(3);
+    frame.targets.texture(image).bind_to_unit(5);
+    frame.no_vertices.bind();
+    program.use();
+    constexpr int vertices = 36;
+    const std::vector<std::int32_t>& layers = frame.places.layers;
+    for (std::size_t i = 0; i + 1 < layers.size(); ++i) {
+        glTextureBarrier();
+        glDrawArrays(GL_TRIANGLES, vertices * layers[i], vertices * (layers[i + 1] - layers[i]));
+    }
+}
+
 /// The pass of a program that reads the field.
 void draw_field(FrameContext& frame, FrameImage image, const gl::Program& program) {
     if (frame.field.pool().holds_all())
@@ -125,10 +195,29 @@ void draw_field(FrameContext& frame, FrameImage image, const gl::Program& progra
         draw_streamed(frame, image, program);
 }
 
+void run_bounds(FrameContext& frame) {
+    const gl::Program& program = frame.shaders.program(bounds_program(frame.field.pool()));
+    set_ray_uniforms(program, frame);
+    frame.field.bind_blocks(program);
+    set_face_uniforms(program, frame);
+    frame.field.bind_faces(3);
+    frame.targets.framebuffer(FrameImage::Bounds).bind();
+    constexpr float nowhere = 1e30F;
+    const std::array<float, 4> empty{nowhere, nowhere, 0, 0};
+    glClearBufferfv(GL_COLOR, 0, empty.data());
+    set_fixed_state();
+    glEnable(GL_BLEND);
+    glBlendEquation(GL_MIN);
+    frame.no_vertices.bind();
+    program.use();
+    glDrawArrays(GL_TRIANGLES, 0, 6 * frame.field.face_count());
+    glDisable(GL_BLEND);
+}
+
 void run_raycast(FrameContext& frame) {
     const Quality& quality = frame.scene.quality;
-    gl::ProgramKey key = field_program("raycast/raycast.frag", frame.field.pool());
-    key.defines.emplace("SEARCH", std::to_string(quality.rate ? 1 : 0));
+    const gl::ProgramKey key =
+        raycast_program(frame.field.pool().defines(), quality.rate ? 1 : 0, quality.traversal);
     const gl::Program& program = frame.shaders.program(key);
     const FieldSource& field = *frame.scene.field;
     const RayCoefficients ray = set_ray_uniforms(program, frame);
@@ -144,9 +233,13 @@ void run_raycast(FrameContext& frame) {
                                         : local(field.extent().lo));
     program.set("u_extent_hi", has_band ? Eigen::Vector3f(Eigen::Vector3f::Constant(nowhere))
                                         : local((field.extent().hi.array() - 1).matrix()));
-    frame.tiles.lists_texture.bind_to_unit(3);
-    frame.tiles.blocks_texture.bind_to_unit(4);
-    program.set("u_tile_columns", frame.tiles.columns);
+    if (quality.traversal == Traversal::TileLists) {
+        frame.places.lists.texture.bind_to_unit(3);
+        frame.places.blocks.texture.bind_to_unit(4);
+        program.set("u_tile_columns", frame.places.columns);
+    } else if (quality.traversal == Traversal::BoundingFaces) {
+        frame.targets.texture(FrameImage::Bounds).bind_to_unit(5);
+    }
     const float stored_from_world = 1 / frame.field.pool().world_from_stored();
     if (quality.rate) {
         program.set("u_fine_step", static_cast<float>(1 / (*quality.rate * quality.rate_factor)));
@@ -162,7 +255,10 @@ void run_raycast(FrameContext& frame) {
     }
     program.set("u_world_from_index",
                 Eigen::Matrix3f(field.space().world_from_index.linear().cast<float>()));
-    draw_field(frame, FrameImage::Hit, program);
+    if (quality.traversal == Traversal::DrawnBlocks)
+        draw_blocks(frame, FrameImage::Hit, program);
+    else
+        draw_field(frame, FrameImage::Hit, program);
 }
 
 void run_gradient(FrameContext& frame) {
@@ -206,20 +302,32 @@ void run_shading(FrameContext& frame) {
 
 } // namespace
 
-TilesOnGpu::TilesOnGpu(const TileLists& tiles)
-    : columns(tiles.width), lists(std::as_bytes(std::span(tiles.lists)), "tiles"),
-      lists_texture(lists, gl::Format::Rg32i, "tiles"),
-      blocks(std::as_bytes(std::span(tiles.blocks)), "blocks of tiles"),
-      blocks_texture(blocks, gl::Format::R32i, "blocks of tiles") {
-    const std::vector<Eigen::Vector4i> tile_runs = tiles.runs();
+PlacesOnGpu::PlacesOnGpu(Traversal traversal, const BlockRanges& ranges,
+                         const std::vector<ActivePage>& active, const GridSpace& space,
+                         const Camera& camera, int width, int height) {
+    std::vector<Eigen::Vector4i> tile_runs;
+    if (traversal == Traversal::TileLists) {
+        const TileLists tiles = list_blocks(ranges, active, space, camera, width, height);
+        columns = tiles.width;
+        lists = {std::as_bytes(std::span(tiles.lists)), gl::Format::Rg32i, "tiles"};
+        blocks = {std::as_bytes(std::span(tiles.blocks)), gl::Format::R32i, "blocks of tiles"};
+        tile_runs = tiles.runs();
+    } else {
+        tile_runs = whole_picture(width, height);
+    }
     run_count = static_cast<int>(tile_runs.size());
-    runs = gl::Buffer(std::as_bytes(std::span(tile_runs)), "tile runs");
-    runs_texture = gl::BufferTexture(runs, gl::Format::Rgba32i, "tile runs");
+    runs = {std::as_bytes(std::span(tile_runs)), gl::Format::Rgba32i, "tile runs"};
+    if (traversal == Traversal::DrawnBlocks) {
+        BlockOrder nearest_first = order_blocks(ranges, active, space, camera);
+        order = {std::as_bytes(std::span(nearest_first.blocks)), gl::Format::R32i, "block order"};
+        layers = std::move(nearest_first.layers);
+    }
 }
 
 FieldOnGpu::FieldOnGpu(const FieldSource& samples, const FieldSource& control, Kernel kernel,
                        const BlockRanges& ranges, const std::vector<ActivePage>& active, float iso,
-                       const StorageOptions& storage, const Progress& progress) {
+                       const StorageOptions& storage, const Progress& progress,
+                       Traversal traversal) {
     const BlockTable table = make_block_table(samples, ranges, active, iso);
     local_origin_index_ = page_size * (table.first_page + table.pages / 2);
     table_lo_ = table.lo_index() - local_origin_index_;
@@ -227,12 +335,21 @@ FieldOnGpu::FieldOnGpu(const FieldSource& samples, const FieldSource& control, K
     block_count_ = table.block_count;
     table_ = gl::Buffer(std::as_bytes(std::span(table.words)), "block table");
     table_texture_ = gl::BufferTexture(table_, gl::Format::R32ui, "block table");
+    if (traversal == Traversal::BoundingFaces) {
+        const std::vector<Eigen::Vector2i> faces = bounding_faces(table);
+        faces_ = gl::Buffer(std::as_bytes(std::span(faces)), "bounding faces");
+        faces_texture_ = gl::BufferTexture(faces_, gl::Format::Rg32i, "bounding faces");
+    }
     pool_ = BrickPool(control, kernel, ranges, active, table, iso, storage, progress);
 }
 
 void FieldOnGpu::bind(const gl::Program& program) const {
     table_texture_.bind_to_unit(0);
     program.set("u_table_pages", Eigen::Vector3i(table_pages_));
+    bind_blocks(program);
+}
+
+void FieldOnGpu::bind_blocks(const gl::Program& program) const {
     program.set("u_table_lo", Eigen::Vector3f(table_lo_.cast<float>()));
     pool_.bind();
 }
@@ -256,8 +373,12 @@ RayCoefficients ray_coefficients(const Camera& camera, int width, int height,
 }
 
 std::vector<Pass> declare_passes(FrameContext& frame) {
+    const ImageSet bounds = frame.scene.quality.traversal == Traversal::BoundingFaces
+                                ? ImageSet{FrameImage::Bounds}
+                                : ImageSet{};
     return {
-        {"raycast", {}, FrameImage::Hit, [&frame] { run_raycast(frame); }},
+        {"bounds", {}, FrameImage::Bounds, [&frame] { run_bounds(frame); }},
+        {"raycast", bounds, FrameImage::Hit, [&frame] { run_raycast(frame); }},
         {"gradient", {FrameImage::Hit}, FrameImage::Gradient, [&frame] { run_gradient(frame); }},
         {"shading",
          {FrameImage::Hit, FrameImage::Gradient},
@@ -267,7 +388,7 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
 }
 
 std::vector<gl::ProgramKey> all_programs() {
-    std::vector<gl::ProgramKey> keys{blinn_phong_program};
+    std::vector<gl::ProgramKey> keys{blinn_phong_program, bounds_program({})};
     for (const Fetch fetch : {Fetch::Rows, Fetch::Samples}) {
         for (const Kernel kernel : {Kernel::Linear, Kernel::BSpline, Kernel::CatmullRom}) {
             // Strides and the zero of the samples are numbers, which no #if looks at: those of the
@@ -279,10 +400,13 @@ std::vector<gl::ProgramKey> all_programs() {
                 defines["IS_STREAMED"] = std::to_string(is_streamed);
                 keys.push_back({{"common/tiles.vert", "raycast/gradient.frag"}, defines});
                 for (const int search : {0, 1}) {
-                    if (search == 1 && is_streamed == 1) continue; // Renderer::load refuses
-                    std::map<std::string, std::string> with_search = defines;
-                    with_search["SEARCH"] = std::to_string(search);
-                    keys.push_back({{"common/tiles.vert", "raycast/raycast.frag"}, with_search});
+                    for (const Traversal traversal : {Traversal::TileLists, Traversal::DrawnBlocks,
+                                                      Traversal::BoundingFaces, Traversal::Walk}) {
+                        // Renderer::load refuses the others.
+                        const bool is_default = search == 0 && traversal == Traversal::TileLists;
+                        if (is_streamed == 0 || is_default)
+                            keys.push_back(raycast_program(defines, search, traversal));
+                    }
                 }
             }
         }
@@ -291,7 +415,14 @@ std::vector<gl::ProgramKey> all_programs() {
 }
 
 gl::Format format_of(FrameImage image) {
-    return image == FrameImage::Beauty ? gl::Format::Rgba16f : gl::Format::Rgba32f;
+    switch (image) {
+    case FrameImage::Beauty:
+        return gl::Format::Rgba16f;
+    case FrameImage::Bounds:
+        return gl::Format::Rg32f;
+    default:
+        return gl::Format::Rgba32f;
+    }
 }
 
 } // namespace isocast

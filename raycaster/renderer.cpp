@@ -30,13 +30,25 @@ void Renderer::load(Scene scene, const Progress& progress) {
     active_ =
         active_pages(ranges_, iso, storage_error(ranges_, active_, iso, scene.storage.format));
     field_ = FieldOnGpu(*scene.field, *control_, kernel_of(scene.filter), ranges_, active_, iso,
-                        scene.storage, progress);
-    // Refining a hit reads the block before as well, which may be gone by then.
-    if (scene.quality.rate && !field_.pool().holds_all())
-        throw ResourceError("sampling at a rate needs all bricks in the texture budget");
+                        scene.storage, progress, scene.quality.traversal);
+    // Refining a sampled hit reads the block before as well, which may be gone by then; and only a
+    // place in a list is kept from pass to pass.
+    const bool can_stream = !scene.quality.rate && scene.quality.traversal == Traversal::TileLists;
+    if (!can_stream && !field_.pool().holds_all())
+        throw ResourceError(
+            "all bricks must fit the texture budget for sampling at a rate, and for "
+            "other ways to the blocks than lists");
     surface_box_ = find_surface_box(*control_, ranges_, active_, iso);
     scene_ = std::move(scene);
     context_.throw_pending_error();
+}
+
+Traversal traversal_from_name(std::string_view name) {
+    if (name == "lists") return Traversal::TileLists;
+    if (name == "drawn") return Traversal::DrawnBlocks;
+    if (name == "bounds") return Traversal::BoundingFaces;
+    if (name == "walk") return Traversal::Walk;
+    throw InputError(fmt::format("'{}' is not one of lists, drawn, bounds, walk", name));
 }
 
 std::array<Vec3d, 8> Renderer::surface_box_world() const {
@@ -54,9 +66,9 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
     if (width < 1 || height < 1 || width > limit || height > limit)
         throw InputError(fmt::format("picture size {}x{}: each side must lie between 1 and {}",
                                      width, height, limit));
-    const TilesOnGpu tiles(
-        list_blocks(ranges_, active_, scene_.field->space(), camera, width, height));
-    FrameContext frame{shaders_, no_vertices_, scene_, field_,  tiles,
+    const PlacesOnGpu places(scene_.quality.traversal, ranges_, active_, scene_.field->space(),
+                             camera, width, height);
+    FrameContext frame{shaders_, no_vertices_, scene_, field_,  places,
                        camera,   width,        height, targets_};
     const std::vector<Pass> declared = declare_passes(frame);
     const std::vector<Pass> live = live_passes(declared, wanted);

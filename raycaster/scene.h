@@ -8,6 +8,7 @@
 
 #include <memory>
 #include <optional>
+#include <string_view>
 
 namespace isocast {
 
@@ -27,8 +28,22 @@ struct Light {
     Vec3d colour = Vec3d(1, 1, 1);
 };
 
+/// How rays find the blocks to search, in order; the picture is the same (thesis sections 6.3.1,
+/// 6.3.2; docs/raycasting.md compares them).
+enum class Traversal {
+    TileLists,     // the CPU lists for each 4^2 pixels the blocks that they see
+    DrawnBlocks,   // the GL draws the back faces of all blocks, the nearest first
+    BoundingFaces, // block by block between the first and the last face around active blocks
+    Walk,          // of the table, with jumps over empty space
+};
+
+/// "lists", "drawn", "bounds" or "walk".
+/// throws  InputError that lists these
+Traversal traversal_from_name(std::string_view name);
+
 /// How rays search.
 struct Quality {
+    Traversal traversal = Traversal::TileLists;
     double guarantee_voxels = 0.01; // the longest stretch inside the object that a ray may miss
     /// Instead of certified steps, samples at this rate r0 [1/voxel] (thesis section 6.3.3), and
     /// at rate_factor times it where the value is nearer to iso than near_voxels [of slope one].

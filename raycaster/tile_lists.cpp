@@ -104,6 +104,31 @@ struct SeenBlock {
     TileBox tiles;
 };
 
+/// see(block, number) of every active block, by number.
+template<class See>
+auto all_blocks(const BlockRanges& ranges, const std::vector<ActivePage>& active, See see) {
+    std::vector<std::int32_t> first_blocks;
+    std::int32_t block_count = 0;
+    for (const ActivePage& page : active) {
+        first_blocks.push_back(block_count);
+        block_count += std::popcount(page.blocks);
+    }
+    std::vector<decltype(see(Index3(), 0))> seen(static_cast<std::size_t>(block_count));
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, active.size(), 16),
+        [&](const tbb::blocked_range<std::size_t>& some) {
+            for (std::size_t i = some.begin(); i < some.end(); ++i) {
+                const Index3 first = page_blocks * ranges.pages[active[i].page].coordinate;
+                std::int32_t number = first_blocks[i];
+                for (std::uint64_t rest = active[i].blocks; rest != 0; rest &= rest - 1, ++number) {
+                    seen[static_cast<std::size_t>(number)] =
+                        see(Index3(first + block_in_page(std::countr_zero(rest))), number);
+                }
+            }
+        });
+    return seen;
+}
+
 } // namespace
 
 std::vector<Eigen::Vector4i> TileLists::runs() const {
@@ -126,29 +151,9 @@ std::vector<Eigen::Vector4i> TileLists::runs() const {
 TileLists list_blocks(const BlockRanges& ranges, const std::vector<ActivePage>& active,
                       const GridSpace& space, const Camera& camera, int width, int height) {
     const Viewer viewer(space, camera, width, height);
-    std::vector<std::int32_t> first_blocks;
-    std::int32_t block_count = 0;
-    for (const ActivePage& page : active) {
-        first_blocks.push_back(block_count);
-        block_count += std::popcount(page.blocks);
-    }
-    std::vector<SeenBlock> seen(static_cast<std::size_t>(block_count));
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, active.size(), 16),
-        [&](const tbb::blocked_range<std::size_t>& some) {
-            for (std::size_t i = some.begin(); i < some.end(); ++i) {
-                const Index3 first = page_blocks * ranges.pages[active[i].page].coordinate;
-                std::int32_t number = first_blocks[i];
-                for (std::uint64_t rest = active[i].blocks; rest != 0; rest &= rest - 1, ++number) {
-                    const int place = std::countr_zero(rest);
-                    const Index3 block =
-                        first + Index3(place % page_blocks, place / page_blocks % page_blocks,
-                                       place / (page_blocks * page_blocks));
-                    seen[static_cast<std::size_t>(number)] = {viewer.order_of(block), number,
-                                                              viewer.tiles_of(block)};
-                }
-            }
-        });
+    std::vector<SeenBlock> seen = all_blocks(ranges, active, [&](const Index3& block, int number) {
+        return SeenBlock{viewer.order_of(block), number, viewer.tiles_of(block)};
+    });
     std::erase_if(seen, [](const SeenBlock& block) {
         return block.tiles.x_lo >= block.tiles.x_hi || block.tiles.y_lo >= block.tiles.y_hi;
     });
@@ -186,6 +191,31 @@ TileLists list_blocks(const BlockRanges& ranges, const std::vector<ActivePage>& 
         tiles.blocks[static_cast<std::size_t>(list[0] + list[1]++)] = block.number;
     });
     return tiles;
+}
+
+std::vector<Eigen::Vector4i> whole_picture(int width, int height) {
+    std::vector<Eigen::Vector4i> runs;
+    for (int y = 0; y * tile_pixels < height; ++y)
+        runs.emplace_back(0, (width + tile_pixels - 1) / tile_pixels, y, 0);
+    return runs;
+}
+
+BlockOrder order_blocks(const BlockRanges& ranges, const std::vector<ActivePage>& active,
+                        const GridSpace& space, const Camera& camera) {
+    const Viewer viewer(space, camera, tile_pixels, tile_pixels);
+    std::vector<std::pair<double, std::int32_t>> seen =
+        all_blocks(ranges, active, [&](const Index3& block, int number) {
+            return std::pair(viewer.order_of(block), number);
+        });
+    std::ranges::sort(seen);
+    BlockOrder order;
+    for (const auto& [place, number] : seen) {
+        if (order.blocks.empty() || place != seen[order.blocks.size() - 1].first)
+            order.layers.push_back(static_cast<std::int32_t>(order.blocks.size()));
+        order.blocks.push_back(number);
+    }
+    order.layers.push_back(static_cast<std::int32_t>(order.blocks.size()));
+    return order;
 }
 
 } // namespace isocast

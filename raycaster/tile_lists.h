@@ -31,4 +31,18 @@ struct TileLists {
 TileLists list_blocks(const BlockRanges& ranges, const std::vector<ActivePage>& active,
                       const GridSpace& space, const Camera& camera, int width, int height);
 
+/// The runs of all tiles of a picture, as TileLists::runs().
+std::vector<Eigen::Vector4i> whole_picture(int width, int height);
+
+/// Active blocks, the nearest first.
+struct BlockOrder {
+    std::vector<std::int32_t> blocks;
+    /// Where each layer starts in `blocks`, and their end: no ray sees two blocks of a layer.
+    std::vector<std::int32_t> layers;
+};
+
+/// Blocks are numbered as in TileLists. All are listed, those behind the eye too.
+BlockOrder order_blocks(const BlockRanges& ranges, const std::vector<ActivePage>& active,
+                        const GridSpace& space, const Camera& camera);
+
 } // namespace isocast

@@ -66,6 +66,9 @@ uniform float u_value_error;
 
 Accuracy accuracy_of_frame() { return Accuracy(u_guarantee, u_value_error); }
 
+// Where a ray that starts at t looks first.
+float first_look(float t) { return t; }
+
 // Looks for the first root from s = 0 to s_out; s becomes the root's place, or s_out at least.
 //
 // point  where t is 0, from the table's corner; t_in: where s is 0

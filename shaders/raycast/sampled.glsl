@@ -17,6 +17,9 @@ uniform float u_near;
 
 Accuracy accuracy_of_frame() { return Accuracy(u_fine_step, u_fine_per_coarse, u_near); }
 
+// Where a ray that starts at t looks first.
+float first_look(float t) { return ceil(t / u_fine_step) * u_fine_step; }
+
 // The root between t_lo, on the ray's side, and t_hi: regula falsi (eq. 6.4) that halves the value of
 // an end which stays, and bisection where that leaves the bracket wide.
 float refine(vec3 point, vec3 d, float side, float t_lo, float t_hi, float value_hi) {

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "raycaster/frame_plan.h"
 
-#include "gl/context.h"
 #include "raycaster/passes.h"
 
 #include <gtest/gtest.h>
@@ -10,17 +9,16 @@
 namespace isocast {
 namespace {
 
-/// The renderer's own passes. They are never run; the context is for the lists of tiles alone.
+/// The renderer's own passes. They are never run.
 struct Declared {
-    std::unique_ptr<gl::Context> context = gl::make_context({.backend = gl::Backend::Osmesa});
     gl::ShaderLibrary shaders{{std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders"}};
     gl::VertexArray no_vertices;
     Scene scene;
     FieldOnGpu field;
-    TilesOnGpu tiles{TileLists{}};
+    PlacesOnGpu places;
     Camera camera;
     FrameTargets targets;
-    FrameContext frame{shaders, no_vertices, scene, field, tiles, camera, 1, 1, targets};
+    FrameContext frame{shaders, no_vertices, scene, field, places, camera, 1, 1, targets};
     std::vector<Pass> passes = declare_passes(frame);
 };
 
@@ -42,10 +40,22 @@ TEST(LivePasses, RunOnlyWhatTheOutputsNeed) {
               (Names{"raycast", "gradient", "shading"}));
 }
 
+TEST(LivePasses, TheBoundsOfRaysAreForBoundingFacesAlone) {
+    Declared declared;
+    declared.scene.quality.traversal = Traversal::BoundingFaces;
+    EXPECT_EQ(names(live_passes(declare_passes(declared.frame), {FrameImage::Hit})),
+              (Names{"bounds", "raycast"}));
+    for (const Traversal other : {Traversal::TileLists, Traversal::DrawnBlocks, Traversal::Walk}) {
+        declared.scene.quality.traversal = other;
+        EXPECT_EQ(names(live_passes(declare_passes(declared.frame), {FrameImage::Hit})),
+                  Names{"raycast"});
+    }
+}
+
 TEST(LivePasses, NameThePassThatReadsWhatNobodyWrote) {
     const Declared declared;
     std::vector<Pass> passes = declared.passes;
-    passes.erase(passes.begin()); // no raycast
+    std::erase_if(passes, [](const Pass& pass) { return pass.name == "raycast"; });
     try {
         live_passes(passes, {FrameImage::Beauty});
         FAIL() << "no error";
@@ -53,7 +63,7 @@ TEST(LivePasses, NameThePassThatReadsWhatNobodyWrote) {
         EXPECT_STREQ(error.what(), "pass 'gradient' reads 'hit', which no pass before it writes");
     }
     std::vector<Pass> wrong_order = declared.passes;
-    std::swap(wrong_order[0], wrong_order[1]);
+    std::swap(wrong_order[1], wrong_order[2]); // raycast and gradient
     EXPECT_THROW(live_passes(wrong_order, {FrameImage::Gradient}), std::logic_error);
     EXPECT_THROW(live_passes({}, {FrameImage::Hit}), std::logic_error);
 }

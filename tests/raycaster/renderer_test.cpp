@@ -277,14 +277,18 @@ TEST_F(Rendering, ReportsWhatRanAndWhatDidNot) {
     const FrameReport hit_only = renderer.draw(camera, 64, 32, {FrameImage::Hit});
     EXPECT_EQ(hit_only.programs_compiled, 1);
     EXPECT_EQ(hit_only.image_bytes, 64 * 32 * 16) << "four floats a pixel";
-    EXPECT_FALSE(hit_only.passes[2].ran);
-    EXPECT_EQ(hit_only.passes[2].texture_bytes, 0);
+    EXPECT_EQ(hit_only.passes.back().name, "shading");
+    EXPECT_FALSE(hit_only.passes.back().ran);
+    EXPECT_EQ(hit_only.passes.back().texture_bytes, 0);
     EXPECT_THROW(renderer.read(FrameImage::Beauty), std::logic_error);
 
     const FrameReport beauty = renderer.draw(camera, 64, 32, {FrameImage::Beauty});
     EXPECT_EQ(beauty.programs_compiled, 3);
     EXPECT_EQ(beauty.image_bytes, 64 * 32 * (2 * 16 + 8));
-    EXPECT_EQ(beauty.passes[0].asked_by, "gradient, shading");
+    EXPECT_EQ(beauty.passes[0].name, "bounds");
+    EXPECT_FALSE(beauty.passes[0].ran) << "lists need none";
+    EXPECT_EQ(beauty.passes[1].name, "raycast");
+    EXPECT_EQ(beauty.passes[1].asked_by, "gradient, shading");
 
     const FrameReport again = renderer.draw(camera, 64, 32, {FrameImage::Hit});
     EXPECT_EQ(again.programs_compiled, 3) << "programs are kept";

@@ -6,6 +6,7 @@
 #include "peers/child.h"
 #include "peers/peer_frame.h"
 #include "raycast/raycast_bench.h"
+#include "volume/analytic_fields.h"
 #include "volume/errors.h"
 #include "volume/files.h"
 
@@ -247,6 +248,7 @@ int main(int argc, char** argv) {
     std::string only;
     std::string backend = "auto";
     std::string field_path;
+    std::string figure_folder;
     int resolution = 256;
     int size = 512;
     int threads = 2;
@@ -256,7 +258,9 @@ int main(int argc, char** argv) {
         ->delimiter(',');
     app.add_option("--peers", peers, "openvdb, embree; vtk, teem: minutes")->delimiter(',');
     app.add_option("--only", only,
-                   "A section: frames, first, storage, guarantee, filters, accuracy, rate");
+                   "A section: frames, first, storage, guarantee, filters, accuracy, rate; of the "
+                   "thesis: table-6.1, table-6.2, silhouettes");
+    app.add_option("--figures", figure_folder, "Folder for figures 6.3 and 6.8 of the thesis");
     app.add_option("--backend", backend, "auto, egl, osmesa");
     app.add_option("--threads", threads,
                    "Of the CPU parts and the peers; LP_NUM_THREADS is the GL's");
@@ -305,6 +309,29 @@ int main(int argc, char** argv) {
         section("filters", "Filters", filter_cases(field));
     }
     if (mesh && asked("first")) run_first_frame(argv[0], *mesh, resolution, size, repeats, backend);
+    if (mesh && (asked("table-6.1") || asked("table-6.2") || !figure_folder.empty())) {
+        const auto field = field_of(*mesh, resolution);
+        const Camera camera = camera_of(scene_of_the_table(*field, resolution));
+        if (asked("table-6.1")) {
+            std::vector<TableField> fields;
+            const auto add = [&](const std::string& name, std::shared_ptr<const FieldSource> f,
+                                 const Camera& c) {
+                fields.push_back({name, std::move(f), c});
+            };
+            const Camera from_front{.eye_world = {2.9, 2.2, 5.2}, .target_world = {0, 0, 0}};
+            add("torus", sampled(builtin_field("torus"), 64), from_front);
+            add("gyroid", sampled(builtin_field("gyroid"), 128), from_front);
+            for (const int n : {128, 256, 512}) {
+                const auto of_mesh = field_of(*mesh, n);
+                add(std::filesystem::path(mesh_path).filename(), of_mesh,
+                    camera_of(scene_of_the_table(*of_mesh, n)));
+            }
+            run_table_6_1(renderer, fields, size, repeats);
+        }
+        if (asked("table-6.2")) run_table_6_2(renderer, field, camera, size, repeats);
+        if (!figure_folder.empty()) write_figures(renderer, field, camera, figure_folder);
+    }
+    if (asked("silhouettes")) run_silhouettes(renderer);
     if (asked("accuracy")) run_accuracy(renderer);
     if (asked("rate")) run_filter_rate(repeats);
 }

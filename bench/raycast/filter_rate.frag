@@ -5,7 +5,7 @@
 
 // METHOD 0: value by this kernel, 1: value and slope by it, 2: value by the GL's linear filter.
 layout(binding = 5) uniform sampler3D t_volume;
-uniform int u_samples;       // of a pixel
+uniform int u_samples;      // of a pixel
 uniform float u_from_pixel; // voxels
 
 out vec4 o_sum;

@@ -4,7 +4,7 @@
 
 #include "raycaster/renderer.h"
 
-#include <functional>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -42,5 +42,29 @@ void run_accuracy(Renderer& renderer);
 
 /// Samples a second of tricubic and trilinear filters; prints a table.
 void run_filter_rate(int repeats);
+
+/// A field of the thesis's table 6.1.
+struct TableField {
+    std::string name;
+    std::shared_ptr<const FieldSource> field;
+    Camera camera;
+};
+
+/// Frames a second of several fields, by grid size; prints a table.
+void run_table_6_1(Renderer& renderer, const std::vector<TableField>& fields, int size,
+                   int repeats);
+
+/// Frames a second of samples at rates, by traversal and bricks; prints a table.
+void run_table_6_2(Renderer& renderer, const std::shared_ptr<const FieldSource>& field,
+                   const Camera& camera, int size, int repeats);
+
+/// What samples miss at the silhouette of a sphere, against the bound of figure 6.7; prints a
+/// table.
+void run_silhouettes(Renderer& renderer);
+
+/// Figures 6.3 (blocks blue, bricks of 32 cells green) and 6.8 (a detail at rate 0.5, at 0.5 and 4
+/// near the surface, and certified) as PNGs in a folder.
+void write_figures(Renderer& renderer, const std::shared_ptr<const FieldSource>& field,
+                   const Camera& camera, const std::filesystem::path& folder);
 
 } // namespace isocast

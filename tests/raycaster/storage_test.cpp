@@ -1,6 +1,7 @@
 // Pictures do not depend on how samples are stored, on what fits, or, but for what lies between
 // samples, on how rays search.
 // SPDX-License-Identifier: MPL-2.0
+#include "../../bench/raycast/silhouette.h"
 #include "raycaster/renderer.h"
 #include "volume/analytic_fields.h"
 #include "volume/errors.h"
@@ -165,6 +166,23 @@ TEST_F(StoredPictures, ErrOnlyAsMuchAsTheirStorage) {
             if (d.pixels != 0 || d.voxels > 20 * error + 1e-3) ++far;
         }
         EXPECT_LT(far, 40) << "grazing rays, of 7680";
+    }
+}
+
+/// The bound of thesis figure 6.7: half a chord as long as the distance between samples.
+TEST_F(StoredPictures, SampledRaysMissNoMoreOfASilhouetteThanTheChordAllows) {
+    for (const double rate : {0.5, 1.0}) {
+        const SilhouetteError e = silhouette_error(renderer, 5, rate, 1, 256, 4);
+        EXPECT_GT(e.missed, 100);
+        EXPECT_EQ(e.false_hits, 0);
+        // The surface is the sphere's within surface_error, measured at every hit.
+        EXPECT_LE(e.surface_error_voxels, 1e-3);
+        EXPECT_LE(e.deepest_voxels, e.bound_voxels + e.surface_error_voxels);
+        // Four phases leave the deepest chord within an eighth of a step of the middle between two
+        // samples, and pixels of 0.043 voxel are finer than the bound at rate 0.5.
+        if (rate == 0.5) {
+            EXPECT_GE(e.deepest_voxels, 0.5 * e.bound_voxels);
+        }
     }
 }
 

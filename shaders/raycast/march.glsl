@@ -69,71 +69,85 @@ Accuracy accuracy_of_frame() { return Accuracy(u_guarantee, u_value_error); }
 // Where a ray that starts at t looks first.
 float first_look(float t) { return t; }
 
-// Looks for the first root from s = 0 to s_out; s becomes the root's place, or s_out at least.
+// The search for the first root in a block, from where the ray enters it, s = 0, to s_out.
+struct Search {
+    vec3 p_in;  // where it enters, in the block's coordinates
+    float t_in; // the ray's parameter there
+    float s;    // where to look next; then the root's place
+    float s_out;
+    float lo;   // the last point known to lie before the surface; then the bracket of its root
+    float hi;
+    bool is_bracketed;
+    int tries;
+    bool is_on; // there is something to look at
+};
+
+Search search_of(Block b, Accuracy accuracy, vec3 point, vec2 segment, vec3 d, vec3 inverse) {
+    vec3 p_in = (point - b.lo) + segment.x * d;
+    float s_out = segment.y - segment.x;
+    float s = next_part(p_in, d, inverse, b.parts, 0.0, s_out);
+    return Search(p_in, segment.x, s, s_out, s, s, false, 0, s < s_out);
+}
+
+// Looks once. True if the root is found: at s, and the search is over.
 //
-// point  where t is 0, from the table's corner; t_in: where s is 0
+// point  where t is 0, from the table's corner
 // side   on which the ray started: +1 outside, -1 inside, 0 not known yet
-bool find_hit(Block b, Accuracy accuracy, vec3 point, float t_in, vec3 d, vec3 inverse, float s_out,
-              inout float side, inout float s) {
-    vec3 p_in = (point - b.lo) + t_in * d;
-    s = next_part(p_in, d, inverse, b.parts, 0.0, s_out);
-    float lo = s; // the last point known to lie before the surface; then the bracket of its root
-    float hi = s;
-    bool is_bracketed = false;
+bool look(Block b, Accuracy accuracy, vec3 point, vec3 d, vec3 inverse, inout float side,
+          inout Search search) {
+    float s = search.s;
+    Cell c = cell_of(b.address, b.scale, search.p_in + s * d);
+    vec2 f = tricubic_value_and_slope(c.address, c.a, b.scale * d);
+    if (side == 0.0) side = f.x < 0.0 ? -1.0 : 1.0;
+    // Values times `side` are positive before the surface.
+    bool has_crossed = (f.x < 0.0) != (side < 0.0);
+    float value = side * f.x;
+    float slope = side * f.y;
     bool is_hit = false;
-    int tries = 0;
-    bool is_marching = s < s_out;
-    while (is_marching) {
-        Cell c = cell_of(b.address, b.scale, p_in + s * d);
-        vec2 f = tricubic_value_and_slope(c.address, c.a, b.scale * d);
-        if (side == 0.0) side = f.x < 0.0 ? -1.0 : 1.0;
-        // Values times `side` are positive before the surface.
-        bool has_crossed = (f.x < 0.0) != (side < 0.0);
-        float value = side * f.x;
-        float slope = side * f.y;
-        if (is_bracketed) {
-            hi = has_crossed ? s : hi;
-            lo = has_crossed ? lo : s;
-        } else {
-            float sure = value - accuracy.value_error;
-            // The slope may err by four times as much [1/voxel]: the sums of |weights| are 2 and 1.
-            float slope_error = 4.0 * accuracy.value_error;
-            float safe = safe_step(b, sure > 0.0 ? sure : 0.0, slope - slope_error);
-            // A root before `latest` for sure, and only one, if the opposite parabola falls.
-            float above = value + accuracy.value_error;
-            // Twice `above` is near: the parabola may rise from there before it falls, not as high.
-            float flatter = slope + slope_error;
-            float fall = flatter * flatter - 2.0 * b.bend * above;
-            float latest = s + 2.0 * above / (sqrt(fall > 0.0 ? fall : 0.0) - flatter);
-            bool is_near = 2.0 * above < b.near && flatter < 0.0 && fall > 0.0 && latest <= s_out;
-            is_bracketed = has_crossed || is_near;
-            hi = has_crossed ? s : latest;
-            lo = has_crossed ? lo : s;
-            if (!is_bracketed) {
-                // A step by the guarantee alone may pass a root: it ends with a look, at the latest
-                // where the ray leaves the block; else what comes next would find the ray inside,
-                // and take the place where it starts for the root's.
-                bool is_sure = safe >= accuracy.guarantee;
-                float next = s + (is_sure ? safe : accuracy.guarantee);
-                is_marching = !is_sure && s < s_out;
-                s = is_sure ? next_part(p_in, d, inverse, b.parts, next, s_out) : min(next, s_out);
-                is_marching = is_marching || s < s_out;
-            }
+    if (search.is_bracketed) {
+        search.hi = has_crossed ? s : search.hi;
+        search.lo = has_crossed ? search.lo : s;
+    } else {
+        float sure = value - accuracy.value_error;
+        // The slope may err by four times as much [1/voxel]: the sums of |weights| are 2 and 1.
+        float slope_error = 4.0 * accuracy.value_error;
+        float safe = safe_step(b, sure > 0.0 ? sure : 0.0, slope - slope_error);
+        // A root before `latest` for sure, and only one, if the opposite parabola falls.
+        float above = value + accuracy.value_error;
+        // Twice `above` is near: the parabola may rise from there before it falls, not as high.
+        float flatter = slope + slope_error;
+        float fall = flatter * flatter - 2.0 * b.bend * above;
+        float latest = s + 2.0 * above / (sqrt(fall > 0.0 ? fall : 0.0) - flatter);
+        bool is_near = 2.0 * above < b.near && flatter < 0.0 && fall > 0.0 && latest <= search.s_out;
+        search.is_bracketed = has_crossed || is_near;
+        search.hi = has_crossed ? s : latest;
+        search.lo = has_crossed ? search.lo : s;
+        if (!search.is_bracketed) {
+            // A step by the guarantee alone may pass a root: it ends with a look, at the latest
+            // where the ray leaves the block; else what comes next would find the ray inside,
+            // and take the place where it starts for the root's.
+            bool is_sure = safe >= accuracy.guarantee;
+            float next = s + (is_sure ? safe : accuracy.guarantee);
+            search.is_on = !is_sure && s < search.s_out;
+            search.s = is_sure ? next_part(search.p_in, d, inverse, b.parts, next, search.s_out)
+                               : min(next, search.s_out);
+            search.is_on = search.is_on || search.s < search.s_out;
         }
-        if (is_bracketed) {
-            // Newton's step where it stays in the bracket, else its middle.
-            float newton = -value / slope;
-            float next = s + newton;
-            ++tries;
-            bool is_newton = slope < 0.0 && next >= lo && next <= hi && tries < 8;
-            next = is_newton ? next : 0.5 * (lo + hi);
-            // Newton's error: half the bend times the step squared, over the slope.
-            float bent = -0.5 * b.bend * newton * newton / slope;
-            float error = bent < abs(newton) ? bent : abs(newton);
-            s = next;
-            is_hit = is_newton && error <= tolerance || hi - lo <= tolerance;
-            is_marching = !is_hit;
-        }
+    }
+    if (search.is_bracketed) {
+        // Newton's step where it stays in the bracket, else its middle.
+        float newton = -value / slope;
+        float next = s + newton;
+        ++search.tries;
+        bool is_newton =
+            slope < 0.0 && next >= search.lo && next <= search.hi && search.tries < 8;
+        next = is_newton ? next : 0.5 * (search.lo + search.hi);
+        // Newton's error: half the bend times the step squared, over the slope.
+        float bent = -0.5 * b.bend * newton * newton / slope;
+        float error = bent < abs(newton) ? bent : abs(newton);
+        search.s = next;
+        is_hit = is_newton && error <= tolerance || search.hi - search.lo <= tolerance;
+        search.is_on = !is_hit;
     }
     return is_hit;
 }

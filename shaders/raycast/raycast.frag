@@ -71,22 +71,38 @@ void main() {
     }
     bool is_waiting = false;
 #endif
-    while (has_block(way)) {
-        int number = number_of(way);
-        Block b = fetch_block(number);
-        vec2 segment = clip_to_box(place, inverse, b.lo, b.lo + block_size);
-        segment = vec2(max(segment.x, range.x), min(segment.y, range.y));
+    // One loop for all blocks of a ray: a look, and on to the next block where this one is done, so
+    // that rays side by side look at a time, though they are in different blocks.
+    Block b;
+    Search search;
+    bool is_seeking = has_block(way);
+    bool is_marching = is_seeking;
+    while (is_marching) {
+        while (is_seeking) {
+            int number = number_of(way);
+            b = fetch_block(number);
+            vec2 segment = clip_to_box(place, inverse, b.lo, b.lo + block_size);
+            segment = vec2(max(segment.x, range.x), min(segment.y, range.y));
 #if IS_STREAMED
-        if (segment.x < segment.y && !visit(number, b.address >= 0)) {
-            is_waiting = true;
-            break;
-        }
+            is_waiting = segment.x < segment.y && !visit(number, b.address >= 0);
+            if (is_waiting) break;
 #endif
-        float s;
-        bool is_hit = find_hit(b, accuracy, point, segment.x, d, inverse,
-                               segment.y - segment.x, side, s);
-        if (is_hit) o_hit = vec4(world_from_index * (ray.from_eye + (segment.x + s) * d), 1.0);
-        way = next_block(way, is_hit, place, d, inverse);
+            search = search_of(b, accuracy, point, segment, d, inverse);
+            if (!search.is_on) way = next_block(way, false, place, d, inverse);
+            is_seeking = !search.is_on && has_block(way);
+        }
+#if IS_STREAMED
+        if (is_waiting) break;
+#endif
+        if (search.is_on) {
+            bool is_hit = look(b, accuracy, point, d, inverse, side, search);
+            float t = search.t_in + search.s;
+            if (is_hit) o_hit = vec4(world_from_index * (ray.from_eye + t * d), 1.0);
+            is_seeking = !search.is_on && !is_hit;
+            if (is_seeking) way = next_block(way, false, place, d, inverse);
+            is_seeking = is_seeking && has_block(way);
+        }
+        is_marching = search.is_on || is_seeking;
     }
 #if IS_STREAMED
     set_progress(is_waiting ? way.i << 2 | int(side) + 1 : is_finished);

@@ -44,33 +44,45 @@ float refine(vec3 point, vec3 d, float side, float t_lo, float t_hi, float value
     return t_lo + (t_hi - t_lo) * (value_lo / (value_lo - value_hi));
 }
 
-// Looks at the samples from s = 0 to s_out; s becomes the root's place, maybe in the block before.
+// The search among the samples of a block, from where the ray enters it, s = 0, to s_out.
+struct Search {
+    vec3 p_in;  // where it enters, in the block's coordinates
+    float t_in; // the ray's parameter there
+    float s;    // the next sample; then the root's place, maybe in the block before
+    float s_out;
+    int k;      // of the next sample
+    bool is_on; // there is a sample left
+};
+
+Search search_of(Block b, Accuracy accuracy, vec3 point, vec2 segment, vec3 d, vec3 inverse) {
+    vec3 p_in = (point - b.lo) + segment.x * d;
+    float s_out = segment.y - segment.x;
+    int k = int(ceil(segment.x / accuracy.fine_step));
+    float s = max(float(k) * accuracy.fine_step - segment.x, 0.0);
+    return Search(p_in, segment.x, s, s_out, k, s < s_out);
+}
+
+// Looks at one sample. True if the root is found: at s, and the search is over.
 //
-// point  where t is 0, from the table's corner; t_in: where s is 0
+// point  where t is 0, from the table's corner
 // side   on which the ray started: +1 outside, -1 inside, 0 not known yet
-bool find_hit(Block b, Accuracy accuracy, vec3 point, float t_in, vec3 d, vec3 inverse, float s_out,
-              inout float side, inout float s) {
-    vec3 p_in = (point - b.lo) + t_in * d;
+bool look(Block b, Accuracy accuracy, vec3 point, vec3 d, vec3 inverse, inout float side,
+          inout Search search) {
     int n = accuracy.per_coarse;
-    int k = int(ceil(t_in / accuracy.fine_step));
-    s = max(float(k) * accuracy.fine_step - t_in, 0.0);
-    bool is_hit = false;
-    bool is_marching = s < s_out;
-    while (is_marching) {
-        Cell c = cell_of(b.address, b.scale, p_in + s * d);
-        float f = tricubic_value_and_slope(c.address, c.a, d).x;
-        if (side == 0.0) side = f < 0.0 ? -1.0 : 1.0;
-        is_hit = (f < 0.0) != (side < 0.0);
-        if (is_hit) {
-            float t = t_in + s;
-            float before = t - float(n) * accuracy.fine_step;
-            s = refine(point + u_table_lo, d, side, before, t, side * f) - t_in;
-        } else {
-            // To the next sample, fine or coarse; n may not divide k after fine steps.
-            k = abs(f) < accuracy.near ? k + 1 : (k >= 0 ? k / n + 1 : -((-k - 1) / n)) * n;
-            s = float(k) * accuracy.fine_step - t_in;
-        }
-        is_marching = !is_hit && s < s_out;
+    int k = search.k;
+    Cell c = cell_of(b.address, b.scale, search.p_in + search.s * d);
+    float f = tricubic_value_and_slope(c.address, c.a, d).x;
+    if (side == 0.0) side = f < 0.0 ? -1.0 : 1.0;
+    bool is_hit = (f < 0.0) != (side < 0.0);
+    if (is_hit) {
+        float t = search.t_in + search.s;
+        float before = t - float(n) * accuracy.fine_step;
+        search.s = refine(point + u_table_lo, d, side, before, t, side * f) - search.t_in;
+    } else {
+        // To the next sample, fine or coarse; n may not divide k after fine steps.
+        search.k = abs(f) < accuracy.near ? k + 1 : (k >= 0 ? k / n + 1 : -((-k - 1) / n)) * n;
+        search.s = float(search.k) * accuracy.fine_step - search.t_in;
     }
+    search.is_on = !is_hit && search.s < search.s_out;
     return is_hit;
 }

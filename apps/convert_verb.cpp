@@ -40,21 +40,6 @@ Value choice_from(std::string_view text,
     throw UsageError(fmt::format("'{}' is none of {}", text, names));
 }
 
-/// A number of bytes, e.g. 8G or 500M (powers of 1024).
-double bytes_from(std::string_view text) {
-    double unit = 1;
-    for (const auto& [letter, size] :
-         {std::pair('K', 0x1p10), std::pair('M', 0x1p20), std::pair('G', 0x1p30)}) {
-        if (!text.ends_with(letter)) continue;
-        unit = size;
-        text.remove_suffix(1);
-        break;
-    }
-    const double count = number_from(text);
-    if (!(count > 0)) throw UsageError(fmt::format("'{}' is not a size above 0", text));
-    return count * unit;
-}
-
 struct ConvertCommand {
     std::vector<std::string> inputs;
     std::filesystem::path output;

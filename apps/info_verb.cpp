@@ -23,6 +23,7 @@ using Json = nlohmann::ordered_json;
 struct InfoCommand {
     std::string input;
     bool prisms = false;
+    std::optional<double> memory_bytes;
     bool json = false;
 };
 
@@ -114,7 +115,7 @@ struct GridValues {
 
 /// Dense files and sparse densities are looked at. Level sets need not be read.
 /// throws  InputError if a dense file has a sample that is no number
-GridValues values_of(const GridDescription& grid, const Input& input) {
+GridValues values_of(const GridDescription& grid, const Input& input, double memory_bytes) {
     const bool is_dense = grid.grid_class == "dense";
     if (!grid.is_affine) return {.unknown_because = "its transform is a frustum"};
     if (grid.grid_class == "level set") return {.suggested_iso = 0};
@@ -122,7 +123,7 @@ GridValues values_of(const GridDescription& grid, const Input& input) {
     if (!is_dense && grid.active_voxels > std::int64_t{1} << 28)
         return {.unknown_because = "too many samples to load"};
     try {
-        const auto field = read_field(input.name, is_dense ? input.grid : grid.name);
+        const auto field = read_field(input.name, is_dense ? input.grid : grid.name, memory_bytes);
         GridValues values{.statistics = statistics_of(*field)};
         values.suggested_iso = values.statistics->suggested.iso;
         return values;
@@ -196,7 +197,9 @@ void describe_file(const InfoCommand& command, const Input& input) {
                                          fmt::join(names, ", ")));
     }
     std::vector<GridValues> values;
-    for (const GridDescription& grid : grids) values.push_back(values_of(grid, input));
+    for (const GridDescription& grid : grids)
+        values.push_back(
+            values_of(grid, input, command.memory_bytes.value_or(default_field_bytes())));
     if (command.json) {
         Json described = Json::array();
         for (std::size_t i = 0; i < grids.size(); ++i)
@@ -232,6 +235,7 @@ Verb info_verb(CLI::App& program) {
         ->required();
     app->add_flag("--prisms", command->prisms,
                   "Of a mesh: count saddle vertices, and gaps between printed prisms (table 4.1)");
+    add_field_memory(*app, command->memory_bytes);
     app->add_flag("--json", command->json, "Report as JSON");
     app->footer("Example: isocast info bunny.vdb");
     return {app, [command](Console& console) { run(*command, console); }};

@@ -79,8 +79,9 @@ CheckedMesh read_checked_mesh(const Input& input) {
     }
 }
 
-std::unique_ptr<FieldSource> read_field(const Input& input) {
-    if (input.kind == Input::Kind::FieldFile) return read_field(input.name, input.grid);
+std::unique_ptr<FieldSource> read_field(const Input& input, double memory_bytes) {
+    if (input.kind == Input::Kind::FieldFile)
+        return read_field(input.name, input.grid, memory_bytes);
     return sampled(builtin_field(input.name), input.samples_per_axis);
 }
 
@@ -99,6 +100,20 @@ double number_from(std::string_view text) {
 
 int integer_from(std::string_view text) {
     return parsed<int>(text, "an integer");
+}
+
+double bytes_from(std::string_view text) {
+    double unit = 1;
+    for (const auto& [letter, size] :
+         {std::pair('K', 0x1p10), std::pair('M', 0x1p20), std::pair('G', 0x1p30)}) {
+        if (!text.ends_with(letter)) continue;
+        unit = size;
+        text.remove_suffix(1);
+        break;
+    }
+    const double count = number_from(text);
+    if (!(count > 0)) throw UsageError(fmt::format("'{}' is not a size above 0", text));
+    return count * unit;
 }
 
 std::filesystem::path first_folder_of(const std::vector<std::filesystem::path>& folders) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "distance_transform/checked_mesh.h"
+#include "volume/available_memory.h"
 #include "volume/field_source.h"
 
 #include <filesystem>
@@ -36,7 +37,9 @@ Input input_from(const std::string& text);
 
 /// throws  InputError that names the input and the cause
 CheckedMesh read_checked_mesh(const Input& input);
-std::unique_ptr<FieldSource> read_field(const Input& input);
+/// memory_bytes  what the samples of a file may take before they go to a scratch file
+std::unique_ptr<FieldSource> read_field(const Input& input,
+                                        double memory_bytes = default_field_bytes());
 
 /// Finds out before the long work whether `path` can be written.
 /// extensions  those allowed, with their dots
@@ -52,5 +55,8 @@ std::filesystem::path first_folder_of(const std::vector<std::filesystem::path>& 
 double number_from(std::string_view text);
 /// throws  UsageError
 int integer_from(std::string_view text);
+/// A number of bytes, e.g. 8G or 500M (powers of 1024).
+/// throws  UsageError
+double bytes_from(std::string_view text);
 
 } // namespace isocast

@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
+#include "apps/inputs.h"
+
 #include <CLI/CLI.hpp>
 
+#include <optional>
 #include <string>
 
 namespace isocast {
@@ -22,6 +25,16 @@ CLI::Option* add_parsed(CLI::App& app, const std::string& name, Value& value, Pa
             }
         },
         help);
+}
+
+/// Adds --max-memory of verbs that read fields.
+inline void add_field_memory(CLI::App& app, std::optional<double>& bytes) {
+    add_parsed(
+        app, "--max-memory", bytes, bytes_from,
+        "Memory for a field's samples, e.g. 8G or 500M (default: half of what is "
+        "available); beyond it a file's lie in a scratch file in TMPDIR, or in /var/tmp, and "
+        "a mesh's are refused")
+        ->type_name("SIZE");
 }
 
 /// Adds --threads.

@@ -41,6 +41,7 @@ struct RenderCommand {
     std::optional<double> rate;
     int rate_factor = Quality{}.rate_factor;
     StorageOptions storage;
+    std::optional<double> memory_bytes;
     std::optional<int> resolution; // of meshes
     gl::Backend backend = gl::Backend::Auto;
     std::optional<ExrLayers> layers;
@@ -250,7 +251,7 @@ void run(const RenderCommand& command, const std::vector<std::filesystem::path>&
     if (input.is_mesh())
         mesh = read_checked_mesh(input);
     else
-        scene.field = read_field(input);
+        scene.field = read_field(input, command.memory_bytes.value_or(default_field_bytes()));
     // A file may hold anything; meshes and built-in fields have their surface at 0.
     scene.iso_world = command.iso_world.value_or(
         input.kind == Input::Kind::FieldFile ? suggested_iso(*scene.field).iso : 0);
@@ -263,7 +264,8 @@ void run(const RenderCommand& command, const std::vector<std::filesystem::path>&
     if (mesh) {
         const ConvertOptions options{
             .voxel_size_world = voxel_size_for_resolution(bounding_box(mesh->mesh),
-                                                          command.resolution.value_or(256))};
+                                                          command.resolution.value_or(256)),
+            .memory_bytes = command.memory_bytes.value_or(ConvertOptions{}.memory_bytes)};
         ConvertResult result = convert(*mesh, options, progress);
         for (const auto& warning : mesh->warnings) warn(warning);
         for (const auto& warning : result.warnings) warn(warning);
@@ -360,6 +362,7 @@ Verb render_verb(CLI::App& program, std::vector<std::filesystem::path> shader_fo
         "Most memory for samples on the GPU (default 1024); beyond it they are loaded as rays "
         "ask for them")
         ->type_name("MIB");
+    add_field_memory(*app, command->memory_bytes);
     add_parsed(*app, "--resolution", command->resolution, integer_from,
                "Meshes: voxels along the longest side (default 256)")
         ->type_name("N");

@@ -11,6 +11,7 @@
 #include "distance_transform/progress_meter.h"
 #include "distance_transform/sign_check.h"
 #include "distance_transform/tile_transform.h"
+#include "volume/available_memory.h"
 #include "volume/errors.h"
 
 #include <fmt/format.h>
@@ -21,7 +22,6 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <fstream>
 #include <numeric>
 
 namespace isocast {
@@ -41,16 +41,6 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-/// What the system says may still be taken; infinity where it says nothing.
-double available_memory_bytes() {
-    std::ifstream file("/proc/meminfo");
-    std::string key;
-    double kibibytes = 0;
-    for (std::string unit; file >> key >> kibibytes; std::getline(file, unit))
-        if (key == "MemAvailable:") return kibibytes * 1024;
-    return std::numeric_limits<double>::infinity();
 }
 
 void require_usable(const ConvertOptions& options) {

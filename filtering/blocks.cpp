@@ -147,35 +147,45 @@ void find_ranges(const FieldSource& control, Kernel kernel, BlockPage& page) {
     });
 }
 
-bool holds(const ValueRange& range, float iso, float value_error) {
-    const float margin = value_error + 1e-5F * (range.max - range.min);
-    return range.min - margin <= iso && iso <= range.max + margin;
+/// What a block's cells read of their corners: its samples and the next one along each axis.
+IndexBox corners_of(const Index3& block) {
+    const Index3 lo = block_size * block;
+    return {lo, (lo.array() + block_size + 1).matrix()};
+}
+
+bool contains(const IndexBox& outer, const IndexBox& inner) {
+    return intersection(outer, inner) == inner;
 }
 
 } // namespace
 
 BlockRanges find_block_ranges(const FieldSource& control, Kernel kernel, const Progress& progress) {
     BlockRanges ranges{candidate_pages(control)};
-    std::atomic<std::size_t> done = 0;
-    tbb::parallel_for(std::size_t{0}, ranges.pages.size(), [&](std::size_t i) {
-        find_ranges(control, kernel, ranges.pages[i]);
-        const std::size_t count = ++done;
-        if (progress && count % 64 == 0) {
-            progress("blocks",
-                     static_cast<double>(count) / static_cast<double>(ranges.pages.size()));
-        }
-    });
+    const std::size_t count = ranges.pages.size();
+    // In order, so that all threads are near each other: of a field that the system reads from a
+    // file, a part is read once and can then go.
+    constexpr std::size_t at_once = 1024;
+    for (std::size_t first = 0; first < count; first += at_once) {
+        if (progress) progress("blocks", static_cast<double>(first) / static_cast<double>(count));
+        tbb::parallel_for(first, std::min(first + at_once, count),
+                          [&](std::size_t i) { find_ranges(control, kernel, ranges.pages[i]); });
+    }
     return ranges;
+}
+
+bool is_active(const ValueRange& range, float iso, float value_error) {
+    const ValueRange wide = widened(range);
+    return wide.min <= iso + value_error && iso - value_error <= wide.max;
 }
 
 std::vector<ActivePage> active_pages(const BlockRanges& ranges, float iso, float value_error) {
     std::vector<ActivePage> active;
     for (std::size_t i = 0; i < ranges.pages.size(); ++i) {
         const BlockPage& page = ranges.pages[i];
-        if (!holds(page.range, iso, value_error)) continue;
+        if (!is_active(page.range, iso, value_error)) continue;
         std::uint64_t blocks = 0;
         for_each_block(page.blocks, [&](int place, int, int, int) {
-            if (holds(page.ranges[static_cast<std::size_t>(place)], iso, value_error))
+            if (is_active(page.ranges[static_cast<std::size_t>(place)], iso, value_error))
                 blocks |= bit_of(place);
         });
         if (blocks != 0) active.push_back({i, blocks});
@@ -185,21 +195,51 @@ std::vector<ActivePage> active_pages(const BlockRanges& ranges, float iso, float
 
 IndexBox find_surface_box(const FieldSource& control, const BlockRanges& ranges,
                           const std::vector<ActivePage>& active, float iso) {
-    std::vector<IndexBox> boxes(active.size());
-    tbb::parallel_for(std::size_t{0}, active.size(), [&](std::size_t i) {
-        const BlockPage& page = ranges.pages[active[i].page];
-        const Samples samples = samples_of(control, page);
-        for_each_block(active[i].blocks, [&](int, int x, int y, int z) {
-            const IndexBox cells =
-                cells_on_both_sides(samples, x + filter_support_below, y + filter_support_below,
-                                    z + filter_support_below, iso);
-            if (cells.is_empty()) return;
-            const Index3 first = first_sample(page);
-            boxes[i] = bounding_box(boxes[i], {cells.lo + first, cells.hi + first});
+    struct Page {
+        ActivePage active;
+        IndexBox corners; // of its active blocks
+        int depth = 0;    // below the border of all [samples]
+    };
+    std::vector<Page> pages;
+    IndexBox all;
+    const auto block_of = [&](const ActivePage& page, int place) -> Index3 {
+        return page_blocks * ranges.pages[page.page].coordinate + block_in_page(place);
+    };
+    for (const ActivePage& page : active) {
+        IndexBox corners;
+        for_each_block(page.blocks, [&](int place, int, int, int) {
+            corners = bounding_box(corners, corners_of(block_of(page, place)));
         });
-    });
+        pages.push_back({page, corners});
+        all = bounding_box(all, corners);
+    }
+    for (Page& page : pages) {
+        page.depth =
+            std::min((page.corners.lo - all.lo).minCoeff(), (all.hi - page.corners.hi).minCoeff());
+    }
+    // From the outside in: most of the others lie in the box by then and need not be looked at.
+    std::ranges::sort(pages, {}, &Page::depth);
     IndexBox box;
-    for (const IndexBox& part : boxes) box = bounding_box(box, part);
+    constexpr std::size_t at_once = 16;
+    for (std::size_t first = 0; first < pages.size(); first += at_once) {
+        std::array<IndexBox, at_once> found;
+        tbb::parallel_for(first, std::min(first + at_once, pages.size()), [&](std::size_t i) {
+            const auto& [page, corners, depth] = pages[i];
+            if (contains(box, corners)) return;
+            const Samples samples = samples_of(control, ranges.pages[page.page]);
+            const Index3 origin = first_sample(ranges.pages[page.page]);
+            IndexBox& part = found[i - first];
+            for_each_block(page.blocks, [&](int place, int x, int y, int z) {
+                if (contains(box, corners_of(block_of(page, place)))) return;
+                const IndexBox cells =
+                    cells_on_both_sides(samples, x + filter_support_below, y + filter_support_below,
+                                        z + filter_support_below, iso);
+                if (!cells.is_empty())
+                    part = bounding_box(part, {cells.lo + origin, cells.hi + origin});
+            });
+        });
+        for (const IndexBox& part : found) box = bounding_box(box, part);
+    }
     // Beyond the extent a field without a band is clamped; its surface ends at the border.
     return control.half_width_world() ? box : intersection(box, control.extent());
 }

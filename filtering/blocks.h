@@ -57,18 +57,26 @@ struct BlockRanges {
 BlockRanges find_block_ranges(const FieldSource& control, Kernel kernel,
                               const Progress& progress = {});
 
+/// A block's range, widened by 1e-5 of itself, so that a hit which rounding moved over a block's
+/// face still finds its samples there.
+inline ValueRange widened(const ValueRange& range) {
+    const float margin = 1e-5F * (range.max - range.min);
+    return {range.min - margin, range.max + margin};
+}
+
+/// Whether a block of this range is active: whether its widened range meets iso ± value_error.
+bool is_active(const ValueRange& range, float iso, float value_error);
+
 /// A page and its active blocks.
 struct ActivePage {
     std::size_t page = 0;     // in BlockRanges::pages
     std::uint64_t blocks = 0; // by place_in_page
 };
 
-/// The pages with blocks that hold `iso`, in the order of `ranges`. A plateau at the iso value,
-/// where every sample equals it, is active.
+/// The pages with active blocks, in the order of `ranges`. A plateau at the iso value, where every
+/// sample equals it, is active. Looks at all ranges; ActiveSet follows an iso value that moves.
 ///
-/// value_error  by which values may differ from the samples', as those that are stored do. Ranges
-///              are also widened by 1e-5 of themselves, so that a hit which rounding moved over a
-///              block's face still finds its samples there
+/// value_error  by which values may differ from the samples', as those that are stored do
 std::vector<ActivePage> active_pages(const BlockRanges& ranges, float iso, float value_error = 0);
 
 /// The active blocks of a field at one iso value.
@@ -85,7 +93,8 @@ struct ActiveBlocks {
 ActiveBlocks find_active_blocks(const FieldSource& control, Kernel kernel, float iso,
                                 const Progress& progress = {});
 
-/// ActiveBlocks::surface_box alone: the samples of the active blocks are looked at once more.
+/// ActiveBlocks::surface_box alone. Looks at the samples of the active blocks once more, from the
+/// outermost inwards, as far as they can still widen the box: a few of a closed surface's.
 IndexBox find_surface_box(const FieldSource& control, const BlockRanges& ranges,
                           const std::vector<ActivePage>& active, float iso);
 

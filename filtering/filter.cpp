@@ -4,11 +4,13 @@
 
 #include "filtering/prefilter.h"
 #include "filtering/quasi_interpolant.h"
+#include "volume/available_memory.h"
 #include "volume/errors.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -58,7 +60,8 @@ std::shared_ptr<const FieldSource> control_samples(std::shared_ptr<const FieldSo
     case Filter::Interpolating:
         return std::make_shared<QuasiInterpolant>(std::move(samples));
     case Filter::Exact:
-        return spline_coefficients(*samples, progress, memory_bytes);
+        return spline_coefficients(*samples, progress,
+                                   std::min(memory_bytes, available_memory_bytes()));
     }
     return samples;
 }

@@ -19,27 +19,54 @@ Renderer::Renderer(gl::Context& context, const std::filesystem::path& shader_fol
 
 void Renderer::load(Scene scene, const Progress& progress) {
     if (!scene.field) throw InputError("the scene has no field");
-    const float iso = static_cast<float>(scene.iso_world);
     if (scene.quality.rate && scene.quality.rate_factor < 1)
         throw InputError("the factor between two sampling rates must be at least 1");
     // The old field goes first, so that both are never in memory.
     field_ = {};
+    moving_.reset();
     control_ = control_samples(scene.field, scene.filter, progress);
     ranges_ = find_block_ranges(*control_, kernel_of(scene.filter), progress);
+    scene_ = std::move(scene);
+    const float iso = static_cast<float>(scene_.iso_world);
     active_ = active_pages(ranges_, iso);
-    active_ =
-        active_pages(ranges_, iso, storage_error(ranges_, active_, iso, scene.storage.format));
-    field_ = FieldOnGpu(*scene.field, *control_, kernel_of(scene.filter), ranges_, active_, iso,
-                        scene.storage, progress, scene.quality.traversal);
+    active_ = active_pages(ranges_, iso, error_of_storage());
+    upload(progress);
+}
+
+void Renderer::set_iso(double iso_world) {
+    if (!control_) throw std::logic_error("no scene is loaded");
+    if (!moving_)
+        moving_.emplace(ranges_, static_cast<float>(scene_.iso_world), error_of_storage());
+    scene_.iso_world = iso_world;
+    const float iso = static_cast<float>(iso_world);
+    moving_->move_to(iso);
+    active_ = moving_->pages();
+    if (const float error = error_of_storage(); error > 0) {
+        moving_->move_to(iso, error);
+        active_ = moving_->pages();
+    }
+    upload({});
+}
+
+float Renderer::error_of_storage() const {
+    return storage_error(ranges_, active_, static_cast<float>(scene_.iso_world),
+                         scene_.storage.format);
+}
+
+void Renderer::upload(const Progress& progress) {
+    surface_box_.reset();
+    field_ = {};
+    field_ = FieldOnGpu(*scene_.field, *control_, kernel_of(scene_.filter), ranges_, active_,
+                        static_cast<float>(scene_.iso_world), scene_.storage, progress,
+                        scene_.quality.traversal);
     // Refining a sampled hit reads the block before as well, which may be gone by then; and only a
     // place in a list is kept from pass to pass.
-    const bool can_stream = !scene.quality.rate && scene.quality.traversal == Traversal::TileLists;
+    const bool can_stream =
+        !scene_.quality.rate && scene_.quality.traversal == Traversal::TileLists;
     if (!can_stream && !field_.pool().holds_all())
         throw ResourceError(
             "all bricks must fit the texture budget for sampling at a rate, and for "
             "other ways to the blocks than lists");
-    surface_box_ = find_surface_box(*control_, ranges_, active_, iso);
-    scene_ = std::move(scene);
     context_.throw_pending_error();
 }
 
@@ -51,8 +78,15 @@ Traversal traversal_from_name(std::string_view name) {
     throw InputError(fmt::format("'{}' is not one of lists, drawn, bounds, walk", name));
 }
 
+const IndexBox& Renderer::surface_box() const {
+    if (!surface_box_)
+        surface_box_ =
+            find_surface_box(*control_, ranges_, active_, static_cast<float>(scene_.iso_world));
+    return *surface_box_;
+}
+
 std::array<Vec3d, 8> Renderer::surface_box_world() const {
-    const IndexBox box = has_surface() ? surface_box_ : scene_.field->extent();
+    const IndexBox box = has_surface() ? surface_box() : scene_.field->extent();
     std::array<Vec3d, 8> corners;
     for (int i = 0; i < 8; ++i)
         corners[static_cast<std::size_t>(i)] = scene_.field->space().to_world(

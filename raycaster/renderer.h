@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
+#include "filtering/active_set.h"
 #include "gl/context.h"
 #include "gl/program.h"
 #include "raycaster/image.h"
@@ -38,10 +39,18 @@ public:
     /// throws  InputError if the scene has no field; ResourceError if it does not fit
     void load(Scene scene, const Progress& progress = {});
 
+    /// Moves the isosurface of the loaded scene: pictures are, bit by bit, those of the same scene
+    /// loaded at `iso_world`. The control samples and the ranges stay. All bricks are cut anew,
+    /// since samples are stored as f - iso: near the surface, where these are small, that keeps
+    /// the digits that sums of f would lose.
+    /// throws  as load
+    void set_iso(double iso_world);
+
     /// Corners of the box of the isosurface [world]; of the field's extent where there is none.
+    /// Found when it is first asked for.
     std::array<Vec3d, 8> surface_box_world() const;
     /// False if the field never crosses the iso value.
-    bool has_surface() const { return !surface_box_.is_empty(); }
+    bool has_surface() const { return !surface_box().is_empty(); }
     const BrickPool& pool() const { return field_.pool(); }
 
     /// Runs the passes that `wanted` needs.
@@ -52,6 +61,12 @@ public:
     Image read(FrameImage image) const;
 
 private:
+    /// Greatest error of the stored samples of active_ [world].
+    float error_of_storage() const;
+    /// The active blocks to the GPU.
+    void upload(const Progress& progress);
+    const IndexBox& surface_box() const;
+
     gl::Context& context_;
     gl::ShaderLibrary shaders_;
     gl::VertexArray no_vertices_;
@@ -59,8 +74,9 @@ private:
     std::shared_ptr<const FieldSource> control_;
     BlockRanges ranges_;
     std::vector<ActivePage> active_;
+    std::optional<ActiveSet> moving_; // made when the iso value moves first
     FieldOnGpu field_;
-    IndexBox surface_box_;
+    mutable std::optional<IndexBox> surface_box_;
     FrameTargets targets_;
 };
 

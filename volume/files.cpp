@@ -75,14 +75,15 @@ std::string field_file_extensions() {
 }
 
 std::unique_ptr<FieldSource> read_field(const std::filesystem::path& path,
-                                        const std::string& grid_name) {
+                                        const std::string& grid_name, double memory_bytes) {
     require_field_file(path);
     const VolumeFormat* const format = volume_format_of(path);
-    if (format == nullptr) return std::make_unique<SparseField>(read_vdb(path, grid_name));
+    if (format == nullptr)
+        return std::make_unique<SparseField>(read_vdb(path, grid_name, memory_bytes));
     if (!grid_name.empty())
         cannot_read(path,
                     fmt::format("no grid named '{}': only .vdb files hold named grids", grid_name));
-    return open_volume(format->header(path), path);
+    return open_volume(format->header(path), path, memory_bytes);
 }
 
 std::vector<GridDescription> describe_field_file(const std::filesystem::path& path) {

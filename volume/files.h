@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
+#include "volume/available_memory.h"
 #include "volume/progress.h"
 #include "volume/sparse_field.h"
 
@@ -37,12 +38,16 @@ std::string field_file_extensions();
 ///            samples keep their type; uncompressed ones are mapped and read when they are asked
 ///            for, so that a file may be larger than memory. Headerless samples need an .mhd.
 /// grid_name  the grid to take; empty takes the first float or double grid, by name. Only .vdb
-/// files
-///            have names.
+///            files have names.
+/// memory_bytes  what the samples of .vdb files and of compressed volumes may take: beyond it they
+///            lie in a scratch file (fresh_memory.h), are the same to the last bit, and are read
+///            from there when they are asked for
 /// throws     InputError that names the file, the cause and, where a grid is missing or of another
 ///            type, the grids that there are. Samples that are NaN throw when they are asked for.
+///            ResourceError if there is no room, or none for the scratch file
 std::unique_ptr<FieldSource> read_field(const std::filesystem::path& path,
-                                        const std::string& grid_name = {});
+                                        const std::string& grid_name = {},
+                                        double memory_bytes = default_field_bytes());
 
 /// All grids of a field file.
 /// throws  InputError as read_field

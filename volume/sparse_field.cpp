@@ -47,22 +47,27 @@ ValueRange range_of(const FieldBlock& block) {
     return {std::ranges::min(min), std::ranges::max(max)};
 }
 
+struct BlockPlace {
+    Index3 coordinate;
+    std::uint32_t block;
+};
+
+void sort(std::vector<BlockPlace>& places) {
+    tbb::parallel_sort(places, [](const BlockPlace& a, const BlockPlace& b) {
+        return zyx_less(a.coordinate, b.coordinate);
+    });
+}
+
 } // namespace
 
 std::vector<std::uint32_t> zyx_order(std::span<const FieldBlock> blocks) {
-    struct Place {
-        Index3 coordinate;
-        std::uint32_t block;
-    };
-    std::vector<Place> places(blocks.size());
+    std::vector<BlockPlace> places(blocks.size());
     tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
         places[i] = {blocks[i].coordinate, static_cast<std::uint32_t>(i)};
     });
-    tbb::parallel_sort(places, [](const Place& a, const Place& b) {
-        return zyx_less(a.coordinate, b.coordinate);
-    });
+    sort(places);
     std::vector<std::uint32_t> order(blocks.size());
-    std::ranges::transform(places, order.begin(), &Place::block);
+    std::ranges::transform(places, order.begin(), &BlockPlace::block);
     return order;
 }
 
@@ -74,14 +79,19 @@ SparseField::SparseField(GridSpace space, double background_world, Outside outsi
         throw InputError(fmt::format("a signed distance field needs a background above 0, not {}",
                                      background_world_));
     }
-    order_ = zyx_order(blocks_);
-    coordinates_.resize(blocks_.size());
-    ranges_.resize(blocks_.size());
+    // The blocks are looked at once, in the order that they lie in: they may be in a scratch file.
+    std::vector<BlockPlace> places(blocks_.size());
+    std::vector<ValueRange> ranges(blocks_.size());
     tbb::parallel_for(std::size_t{0}, blocks_.size(), [&](std::size_t i) {
-        const FieldBlock& block = blocks_[order_[i]];
-        coordinates_[i] = block.coordinate;
-        ranges_[i] = range_of(block);
+        places[i] = {blocks_[i].coordinate, static_cast<std::uint32_t>(i)};
+        ranges[i] = range_of(blocks_[i]);
     });
+    sort(places);
+    for (const BlockPlace& place : places) {
+        order_.push_back(place.block);
+        coordinates_.push_back(place.coordinate);
+        ranges_.push_back(ranges[place.block]);
+    }
     const auto twice = std::ranges::adjacent_find(coordinates_);
     if (twice != coordinates_.end()) {
         throw InputError(fmt::format("the block ({}, {}, {}) occurs twice in a sparse field",

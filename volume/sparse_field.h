@@ -26,7 +26,7 @@ struct FieldBlock {
     std::bitset<samples_per_block> active;
 };
 
-/// Resizing leaves new blocks as raw memory: construct each before use.
+/// In memory or in a scratch file. Resizing leaves new blocks raw: construct each before use.
 using FieldBlocks = std::vector<FieldBlock, FreshMemory<FieldBlock>>;
 
 /// What a sample has where no block is stored.
@@ -99,7 +99,8 @@ private:
 
 class SparseField final : public FieldSource {
 public:
-    /// blocks            in any order, each coordinate once, fewer than 2^32
+    /// blocks            in any order, each coordinate once, fewer than 2^32; they stay where they
+    ///                   lie, in memory or in a scratch file
     /// background_world  > 0: the half width for signed distance fields
     /// throws            InputError if a block occurs twice, or a signed field has no half width
     SparseField(GridSpace space, double background_world, Outside outside, FieldBlocks blocks);

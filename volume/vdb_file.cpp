@@ -221,15 +221,16 @@ void require_whole(const std::filesystem::path& path) {
     }
 }
 
-/// Opens `path`, calls use(file), and turns what OpenVDB throws into InputError.
+/// Opens `path`, calls use(file), and turns what OpenVDB throws into InputError. Grids are read
+/// without their leaves' values, which stay in the mapped file until they are asked for.
 template<class Use>
-auto with_vdb(const std::filesystem::path& path, bool delay_load, Use use) {
+auto with_vdb(const std::filesystem::path& path, Use use) {
     vdb::initialize(); // does nothing after the first time
     try {
         require_whole(path);
         vdb::io::File file(path.string());
         file.setCopyMaxBytes(0); // no private copy of the file for delayed loading
-        file.open(delay_load);
+        file.open(/*delayLoad=*/true);
         return use(file);
     } catch (const vdb::Exception& error) {
         cannot_read(path, error.what());
@@ -278,35 +279,25 @@ FieldBlock constant_block(const Index3& coordinate, float value, bool active) {
     return block;
 }
 
-template<class Tree>
-FieldBlocks blocks_of_leaves(const Tree& tree) {
-    using Leaf = typename Tree::LeafNodeType;
-    std::vector<const Leaf*> leaves;
-    leaves.reserve(tree.leafCount());
-    tree.getNodes(leaves);
-    FieldBlocks blocks(leaves.size());
-    tbb::parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t i) {
-        FieldBlock& block = *std::construct_at(&blocks[i]);
-        block.coordinate = floor_div(to_index(leaves[i]->origin()), block_size);
-        for (vdb::Index offset = 0; offset < Leaf::SIZE; ++offset) {
-            const std::size_t place = place_of(offset);
-            block.values[place] = static_cast<float>(leaves[i]->getValue(offset));
-            block.active[place] = leaves[i]->isValueOn(offset);
-        }
-    });
-    return blocks;
-}
-
 IndexBox blocks_of_tile(const vdb::CoordBBox& box) {
     return blocks_over({to_index(box.min()), (to_index(box.max()).array() + 1).matrix()});
 }
 
-/// Adds constant blocks for the tiles that hold neither background nor, in signed fields, its
-/// opposite. Returns the boxes [blocks] of the inactive tiles of that opposite: the inside.
+/// Boxes [blocks] of tiles that SparseField has no value for by itself, or only by its row rule.
+struct Tiles {
+    struct Constant {
+        IndexBox blocks;
+        float value;
+        bool is_active;
+    };
+    std::vector<Constant> constant; // neither background nor, in signed fields, its opposite
+    std::size_t constant_blocks = 0;
+    std::vector<IndexBox> inside; // inactive ones of that opposite
+};
+
 template<class Tree>
-std::vector<IndexBox> expand_tiles(const Tree& tree, bool is_signed, FieldBlocks& blocks) {
-    std::vector<IndexBox> inside;
-    std::size_t expanded = 0;
+Tiles tiles_of(const Tree& tree, bool is_signed) {
+    Tiles tiles;
     auto tile = tree.cbeginValueAll();
     tile.setMaxDepth(Tree::ValueAllCIter::LEAF_DEPTH - 1);
     for (; tile; ++tile) {
@@ -314,24 +305,67 @@ std::vector<IndexBox> expand_tiles(const Tree& tree, bool is_signed, FieldBlocks
         if (!tile.isValueOn() && value == tree.background()) continue;
         const IndexBox box = blocks_of_tile(tile.getBoundingBox());
         if (!tile.isValueOn() && is_signed && value == -tree.background()) {
-            inside.push_back(box);
+            tiles.inside.push_back(box);
             continue;
         }
-        expanded += static_cast<std::size_t>(box.sample_count());
-        if (expanded > most_expanded_blocks) {
+        tiles.constant.push_back({box, static_cast<float>(value), tile.isValueOn()});
+        tiles.constant_blocks += static_cast<std::size_t>(box.sample_count());
+        if (tiles.constant_blocks > most_expanded_blocks) {
             throw ResourceError(fmt::format("its constant tiles would become more than {} blocks",
                                             most_expanded_blocks));
         }
+    }
+    return tiles;
+}
+
+/// The block of a leaf whose values may still be in the file; they stay there.
+template<class Leaf>
+FieldBlock block_of(const Leaf& leaf) {
+    using Buffer = typename Leaf::Buffer;
+    // The copy is read in the leaf's place, and dropped.
+    auto buffer = std::make_unique<Buffer>(leaf.buffer());
+    const typename Leaf::ValueType* values = nullptr;
+    try {
+        values = std::as_const(*buffer).data();
+    } catch (...) {
+        // After a read that failed, what OpenVDB's destructor would free is freed already.
+        static_cast<void>(buffer.release());
+        throw;
+    }
+    FieldBlock block;
+    block.coordinate = floor_div(to_index(leaf.origin()), block_size);
+    for (vdb::Index offset = 0; offset < Leaf::SIZE; ++offset) {
+        const std::size_t place = place_of(offset);
+        block.values[place] = static_cast<float>(values[offset]);
+        block.active[place] = leaf.isValueOn(offset);
+    }
+    return block;
+}
+
+/// A block for each leaf and for each 8^3 samples of the constant tiles.
+///
+/// memory_bytes  beyond it the blocks lie in a scratch file
+template<class Tree>
+FieldBlocks blocks_of(const Tree& tree, const Tiles& tiles, double memory_bytes) {
+    std::vector<const typename Tree::LeafNodeType*> leaves;
+    leaves.reserve(tree.leafCount());
+    tree.getNodes(leaves); // in the order of the file
+    const std::size_t count = leaves.size() + tiles.constant_blocks;
+    const FreshMemory<FieldBlock> memory(medium_for(count * sizeof(FieldBlock), memory_bytes));
+    FieldBlocks blocks(count, memory);
+    tbb::parallel_for(std::size_t{0}, leaves.size(),
+                      [&](std::size_t i) { std::construct_at(&blocks[i], block_of(*leaves[i])); });
+    std::size_t next = leaves.size();
+    for (const auto& [box, value, is_active] : tiles.constant) {
         for (int z = box.lo.z(); z < box.hi.z(); ++z) {
             for (int y = box.lo.y(); y < box.hi.y(); ++y) {
                 for (int x = box.lo.x(); x < box.hi.x(); ++x) {
-                    blocks.push_back(
-                        constant_block({x, y, z}, static_cast<float>(value), tile.isValueOn()));
+                    std::construct_at(&blocks[next++], constant_block({x, y, z}, value, is_active));
                 }
             }
         }
     }
-    return inside;
+    return blocks;
 }
 
 /// First sample along x [index] after the tile of `tree` that holds `at`.
@@ -347,10 +381,11 @@ int end_of_tile(const Accessor& accessor, const vdb::Coord& at) {
 
 /// Adds blocks of ± background where the tiles' sign is not what the row rule makes of the blocks.
 ///
-/// blocks  sorted by z, y, x on entry
 /// inside  boxes [blocks] of the tiles of the inside
 template<class Tree>
-void add_sign_blocks(const Tree& tree, const std::vector<IndexBox>& inside, FieldBlocks& blocks) {
+void add_sign_blocks(const Tree& tree, const std::vector<IndexBox>& inside, FieldBlocks& stored) {
+    const std::vector<std::uint32_t> order = zyx_order(stored);
+    const OrderedBlocks blocks(stored, order);
     const auto background = static_cast<float>(tree.background());
     std::set<std::pair<int, int>> rows; // (z, y)
     int x_begin = std::numeric_limits<int>::max();
@@ -394,23 +429,21 @@ void add_sign_blocks(const Tree& tree, const std::vector<IndexBox>& inside, Fiel
             x = std::min({after_tile, before_block, x_end});
         }
     }
-    blocks.insert(blocks.end(), added.begin(), added.end());
+    stored.reserve(stored.size() + added.size());
+    stored.insert(stored.end(), added.begin(), added.end());
 }
 
 template<class Grid>
-SparseField to_field(const Grid& grid) {
+SparseField to_field(const Grid& grid, double memory_bytes) {
     GridSpace space = to_space(grid.transform());
     const bool is_signed = grid.getGridClass() == vdb::GRID_LEVEL_SET;
     const auto background = static_cast<double>(grid.background());
     if (is_signed && !(background > 0)) {
         throw InputError(fmt::format("a level set with background {}, not above 0", background));
     }
-    FieldBlocks blocks = blocks_of_leaves(grid.tree());
-    const std::vector<IndexBox> inside = expand_tiles(grid.tree(), is_signed, blocks);
-    if (!std::ranges::is_sorted(blocks, zyx_less, &FieldBlock::coordinate)) {
-        std::ranges::sort(blocks, zyx_less, &FieldBlock::coordinate);
-    }
-    if (is_signed) add_sign_blocks(grid.tree(), inside, blocks);
+    const Tiles tiles = tiles_of(grid.tree(), is_signed);
+    FieldBlocks blocks = blocks_of(grid.tree(), tiles, memory_bytes);
+    if (is_signed) add_sign_blocks(grid.tree(), tiles.inside, blocks);
     return {std::move(space), background,
             is_signed ? Outside::SignedBackground : Outside::Background, std::move(blocks)};
 }
@@ -455,8 +488,9 @@ GridDescription describe(const vdb::GridBase& grid) {
 
 } // namespace
 
-SparseField read_vdb(const std::filesystem::path& path, const std::string& grid_name) {
-    return with_vdb(path, false, [&](vdb::io::File& file) {
+SparseField read_vdb(const std::filesystem::path& path, const std::string& grid_name,
+                     double memory_bytes) {
+    return with_vdb(path, [&](vdb::io::File& file) {
         const vdb::GridPtrVecPtr grids = file.readAllGridMetadata();
         const auto wanted = std::ranges::find_if(*grids, [&](const vdb::GridBase::Ptr& grid) {
             return grid_name.empty() ? is_scalar(*grid) : grid->getName() == grid_name;
@@ -476,9 +510,9 @@ SparseField read_vdb(const std::filesystem::path& path, const std::string& grid_
         try {
             const vdb::GridBase::Ptr grid = file.readGrid(name);
             if (const auto floats = vdb::gridPtrCast<vdb::FloatGrid>(grid)) {
-                return to_field(*floats);
+                return to_field(*floats, memory_bytes);
             }
-            return to_field(*vdb::gridPtrCast<vdb::DoubleGrid>(grid));
+            return to_field(*vdb::gridPtrCast<vdb::DoubleGrid>(grid), memory_bytes);
         } catch (const InputError& error) {
             throw InputError(fmt::format("{}: {}", context, error.what()));
         } catch (const ResourceError& error) {
@@ -488,9 +522,9 @@ SparseField read_vdb(const std::filesystem::path& path, const std::string& grid_
 }
 
 std::vector<GridDescription> describe_vdb(const std::filesystem::path& path) {
-    return with_vdb(path, true, [&](vdb::io::File& file) {
+    return with_vdb(path, [&](vdb::io::File& file) {
         std::vector<GridDescription> descriptions;
-        // The background stands in the topology, which a delayed load reads without the samples.
+        // With their topology, in which the background stands.
         const vdb::GridPtrVecPtr grids = file.getGrids();
         for (const vdb::GridBase::Ptr& grid : *grids) descriptions.push_back(describe(*grid));
         return descriptions;

@@ -85,7 +85,7 @@ std::shared_ptr<const MappedFile> map_samples(const VolumeHeader& header,
 }
 
 std::unique_ptr<TypedField> open_volume(const VolumeHeader& header,
-                                        const std::filesystem::path& path) {
+                                        const std::filesystem::path& path, double memory_bytes) {
     const auto file = map_samples(header, path);
     const Bytes stored = stored_samples(header, path, file->bytes());
     TypedSamples samples{.type = header.type,
@@ -96,8 +96,10 @@ std::unique_ptr<TypedField> open_volume(const VolumeHeader& header,
                          .owner = file};
     if (header.is_compressed) {
         try {
+            const std::uint64_t needed = bytes_needed(header, path);
+            const FreshMemory<std::byte> memory(medium_for(needed, memory_bytes));
             const auto buffer =
-                std::make_shared<std::vector<std::byte>>(bytes_needed(header, path));
+                std::make_shared<std::vector<std::byte, FreshMemory<std::byte>>>(needed, memory);
             Inflater inflater(stored, header.data_path.string());
             inflater.skip(header.skip_decompressed);
             inflater.read(*buffer);
@@ -107,6 +109,8 @@ std::unique_ptr<TypedField> open_volume(const VolumeHeader& header,
                                               header.data_path.string()));
             samples.bytes = *buffer;
             samples.owner = buffer;
+        } catch (const ResourceError& error) {
+            throw ResourceError(fmt::format("cannot read {}: {}", path.string(), error.what()));
         } catch (const std::bad_alloc&) {
             throw ResourceError(fmt::format("cannot read {}: no memory for {} samples of {}",
                                             path.string(), text_of(header.size),

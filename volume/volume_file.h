@@ -52,11 +52,11 @@ VolumeHeader mhd_header(const std::filesystem::path& path);
 ///         LOCATION IN SPACE", methods 3, 2, 1
 VolumeHeader nifti_header(const std::filesystem::path& path);
 
-/// The field of a header's samples. Uncompressed ones are mapped, not loaded; compressed ones are
-/// kept in memory in their type.
+/// The field of a header's samples, in their type. Uncompressed ones are mapped, not loaded;
+/// compressed ones are kept in memory, beyond memory_bytes in a scratch file.
 /// throws  InputError if the file does not hold as many bytes as the header says
 std::unique_ptr<TypedField> open_volume(const VolumeHeader& header,
-                                        const std::filesystem::path& path);
+                                        const std::filesystem::path& path, double memory_bytes);
 /// The header as a grid's description; checks the size of uncompressed samples.
 GridDescription describe_volume(const VolumeHeader& header, const std::filesystem::path& path);
 

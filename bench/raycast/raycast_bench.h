@@ -37,6 +37,12 @@ std::vector<DrawResult> draw_in_turns(Renderer& renderer, const std::vector<Draw
 /// Seconds of one frame of the loaded scene.
 double frame_seconds(Renderer& renderer, const Camera& camera, int size, FrameReport& report);
 
+/// From the scene's iso value by `small` and by `large` and back: a fresh load, set_iso, and the
+/// query for the active blocks alone, by all ranges and by the ends that are passed; prints a
+/// table.
+void run_moving_iso(Renderer& renderer, const std::string& name, const Scene& scene, double small,
+                    double large, int repeats);
+
 /// Every filter and storage on the exact distances of a torus; prints a table.
 void run_accuracy(Renderer& renderer);
 

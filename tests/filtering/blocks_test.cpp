@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <map>
 
@@ -157,6 +158,42 @@ TEST(ActiveBlocks, SurfaceBoxOfASphereIsItsBox) {
         EXPECT_NEAR(lo, -1, 1.1 * voxel);
         EXPECT_NEAR(hi, 1, 1.1 * voxel);
     }
+}
+
+/// A field that counts how often it is read.
+class Counted final : public FieldSource {
+public:
+    explicit Counted(std::shared_ptr<const FieldSource> field) : field_(std::move(field)) {}
+    const GridSpace& space() const override { return field_->space(); }
+    IndexBox extent() const override { return field_->extent(); }
+    std::optional<double> half_width_world() const override { return field_->half_width_world(); }
+    std::vector<IndexBox> active_boxes() const override { return field_->active_boxes(); }
+    int finest_level(const IndexBox& box) const override { return field_->finest_level(box); }
+    ValueRange value_range(const IndexBox& box) const override { return field_->value_range(box); }
+    void copy_box(const IndexBox& box, int level, std::span<float> out) const override {
+        ++reads;
+        field_->copy_box(box, level, out);
+    }
+
+    mutable std::atomic<int> reads = 0;
+
+private:
+    std::shared_ptr<const FieldSource> field_;
+};
+
+TEST(ActiveBlocks, OfAClosedSurfaceFewAreReadAgainForItsBox) {
+    const Counted field(sampled(builtin_field("sphere"), 260));
+    const BlockRanges ranges = find_block_ranges(field, Kernel::BSpline);
+    const std::vector<ActivePage> active = active_pages(ranges, 0);
+    field.reads = 0;
+    const IndexBox box = find_surface_box(field, ranges, active, 0);
+    // Those where the sphere touches its box are: six caps, of a surface of 100 pages.
+    EXPECT_LT(field.reads, static_cast<int>(active.size()) / 2);
+    // Where there is no surface all are.
+    field.reads = 0;
+    EXPECT_TRUE(find_surface_box(field, ranges, active, -100).is_empty());
+    EXPECT_EQ(field.reads, static_cast<int>(active.size()));
+    EXPECT_FALSE(box.is_empty());
 }
 
 TEST(ActiveBlocks, DoNotDependOnTheNumberOfThreads) {

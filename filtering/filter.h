@@ -44,9 +44,9 @@ inline constexpr double default_control_bytes = 0x1p32;
 /// c[-1] = c[0], c[n] = c[n-1] at the border, as a dense field continues: the spline then passes
 /// through every sample of the extent. Computed at once, on all threads.
 ///
-/// memory_bytes  limit for the coefficients of Exact, which are stored; what is available is one, too
+/// memory_bytes  limit for the coefficients of Exact, which are stored, beside what is available
 /// throws  InputError if the filter is Exact and the field has a band: its coefficients would ring
-///         off the band's edge; ResourceError if they do not fit in memory_bytes
+///         off the band's edge; ResourceError if they do not fit
 /// source  the quasi-interpolant: FORMULAS.md, Cubic B-spline; Exact: the recursive filter of Unser
 ///         1993, whose pole 1/(2 + sqrt 3) is the limit of the pivots here
 std::shared_ptr<const FieldSource> control_samples(std::shared_ptr<const FieldSource> samples,

@@ -284,6 +284,26 @@ TEST(Render, TextureBudgetChangesNothingButTheLoading) {
     EXPECT_EQ(ExrFile(folder / "a.exr").channels, whole);
 }
 
+TEST(Render, MemoryLimitChangesNothingButWhereSamplesLie) {
+    const TemporaryFolder folder;
+    const TemporaryFolder scratch;
+    const std::string field = folder / "a.vdb";
+    checked_output(isocast({"sample", "field:torus@48", "-o", field}));
+    checked_output(isocast(render(field, folder / "a.png")));
+    const Environment there{{"TMPDIR", scratch.path()}};
+    const Outcome limited = isocast(render(field, folder / "b.png", {"--max-memory", "1K"}), there);
+    EXPECT_EQ(limited.code, 0) << limited.err;
+    EXPECT_EQ(contents_of(folder / "b.png"), contents_of(folder / "a.png"));
+    EXPECT_EQ(scratch.entry_count(), 0);
+    // That a scratch file was needed shows where there is no folder for it.
+    const Environment nowhere{{"TMPDIR", scratch / "missing"}};
+    const Outcome refused =
+        isocast(render(field, folder / "c.png", {"--max-memory", "1K"}), nowhere);
+    EXPECT_EQ(refused.code, 4);
+    EXPECT_NE(refused.err.find("missing"), std::string::npos) << refused.err;
+    EXPECT_EQ(isocast(render(field, folder / "c.png", {"--max-memory", "1G"}), nowhere).code, 0);
+}
+
 TEST(Render, FileWithoutAnIsoValueIsDrawnAtTheSuggestedOne) {
     const TemporaryFolder folder;
     checked_output(isocast({"sample", "field:marschner-lobb@20", "-o", folder / "a.vdb"}));

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "raycaster/brick_pool.h"
 
+#include "filtering/bounds.h"
 #include "filtering/certificate.h"
 #include "volume/errors.h"
 
@@ -179,7 +180,10 @@ void BrickPool::store(std::span<const int> bricks, const std::function<std::byte
             auto record = std::bit_cast<BlockRecord>(block_records_[block]);
             const Brick& brick = bricks_[static_cast<std::size_t>(brick_of_block_[block])];
             record.slope = bounds.slope * stored_from_world;
-            record.bend = bounds.bend * stored_from_world;
+            // "No bound" is a great number that the shader multiplies by values: finite still.
+            record.bend = bounds.bend < no_bend
+                              ? bounds.bend * stored_from_world
+                              : no_bend / std::max(1.0F, codec_.greatest_stored());
             record.near = bounds.near * stored_from_world;
             record.scale = 1;
             record.address = static_cast<std::int32_t>(brick.slot * layout_.brick_texels +

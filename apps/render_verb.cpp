@@ -36,6 +36,7 @@ struct RenderCommand {
     CameraSpec camera;
     std::optional<double> iso_world;
     Filter filter = Filter::Interpolating;
+    std::optional<Filter> derivative_filter;
     double guarantee_voxels = Quality{}.guarantee_voxels;
     std::optional<double> rate;
     int rate_factor = Quality{}.rate_factor;
@@ -147,6 +148,8 @@ void write(const RenderCommand& command, const Renderer& renderer, const Camera&
     exr.strings = {{"filter", std::string(filter_name(scene.filter))},
                    {"glRenderer", driver.renderer},
                    {"source", command.input}};
+    if (scene.derivative_filter)
+        exr.strings["derivativeFilter"] = filter_name(*scene.derivative_filter);
     write_exr(exr, command.output);
 }
 
@@ -241,6 +244,7 @@ void run(const RenderCommand& command, const std::vector<std::filesystem::path>&
     std::optional<CheckedMesh> mesh;
     Scene scene;
     scene.filter = command.filter;
+    scene.derivative_filter = command.derivative_filter;
     scene.storage = command.storage;
     scene.quality.guarantee_voxels = command.guarantee_voxels;
     scene.quality.rate = command.rate;
@@ -325,6 +329,10 @@ Verb render_verb(CLI::App& program, std::vector<std::filesystem::path> shader_fo
         *app, "--filter", command->filter, named<filter_from_name>,
         "From samples to a smooth function: interpolating (cubic B-spline through the samples, "
         "default), bspline (smooths), exact, catmull-rom, linear")
+        ->type_name("NAME");
+    add_parsed(*app, "--derivative-filter", command->derivative_filter, named<filter_from_name>,
+               "Filter of the gradient, and so of the shading (default: that of --filter); one "
+               "that smooths goes well with a value that interpolates")
         ->type_name("NAME");
     add_parsed(*app, "--guarantee", command->guarantee_voxels, guarantee_from,
                "No ray passes through more than this of the object unseen [voxels] (default 0.01)")

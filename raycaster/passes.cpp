@@ -85,12 +85,13 @@ void draw_tiles(const FrameContext& frame, FrameImage image, const gl::Program& 
 ///
 /// Every pass ends with the bricks in the pool that the first waiting pixels need, so each of them
 /// gets at least one block further.
-void draw_streamed(FrameContext& frame, FrameImage image, const gl::Program& program) {
-    BrickPool& pool = frame.field.pool();
+void draw_streamed(FrameContext& frame, FieldOnGpu& field, FrameImage image,
+                   const gl::Program& program) {
+    BrickPool& pool = field.pool();
     gl::Texture progress =
         gl::Texture::image(gl::Format::R32i, frame.width, frame.height, "pixels' progress");
     progress.clear(-1); // shaders/raycast/stream.glsl: not_started
-    const int block_count = frame.field.block_count();
+    const int block_count = field.block_count();
     gl::ReadbackBuffer visits(std::int64_t{block_count} * 4, "visited blocks");
     frame.targets.framebuffer(image).bind();
     const Eigen::Vector4f empty = Eigen::Vector4f::Zero();
@@ -117,12 +118,13 @@ void draw_streamed(FrameContext& frame, FrameImage image, const gl::Program& pro
     } while (!missing.empty());
 }
 
-/// The pass of a program that reads the field.
-void draw_field(FrameContext& frame, FrameImage image, const gl::Program& program) {
-    if (frame.field.pool().holds_all())
+/// The pass of a program that reads the field, or that of derivatives.
+void draw_field(FrameContext& frame, FieldOnGpu& field, FrameImage image,
+                const gl::Program& program) {
+    if (field.pool().holds_all())
         draw_tiles(frame, image, program, Eigen::Vector4f::Zero());
     else
-        draw_streamed(frame, image, program);
+        draw_streamed(frame, field, image, program);
 }
 
 void run_raycast(FrameContext& frame) {
@@ -162,22 +164,25 @@ void run_raycast(FrameContext& frame) {
     }
     program.set("u_world_from_index",
                 Eigen::Matrix3f(field.space().world_from_index.linear().cast<float>()));
-    draw_field(frame, FrameImage::Hit, program);
+    draw_field(frame, frame.field, FrameImage::Hit, program);
 }
 
 void run_gradient(FrameContext& frame) {
-    const gl::Program& program =
-        frame.shaders.program(field_program("raycast/gradient.frag", frame.field.pool()));
-    frame.field.bind(program);
+    FieldOnGpu& field = frame.derivative_field;
+    gl::ProgramKey key = field_program("raycast/gradient.frag", field.pool());
+    const Kernel kernel = kernel_of(frame.scene.derivative_filter.value_or(frame.scene.filter));
+    key.defines["KERNEL"] = std::to_string(static_cast<int>(kernel));
+    const gl::Program& program = frame.shaders.program(key);
+    field.bind(program);
     frame.targets.texture(FrameImage::Hit).bind_to_unit(3);
     const GridSpace& space = frame.scene.field->space();
     const Vec3d eye_local =
-        space.to_index(frame.camera.eye_world) - frame.field.local_origin_index().cast<double>();
+        space.to_index(frame.camera.eye_world) - field.local_origin_index().cast<double>();
     program.set("u_index_from_world",
                 Eigen::Matrix3f(space.world_from_index.linear().inverse().cast<float>()));
-    program.set("u_world_from_stored", frame.field.pool().world_from_stored());
+    program.set("u_world_from_stored", field.pool().world_from_stored());
     program.set("u_eye_local", Eigen::Vector3f(eye_local.cast<float>()));
-    draw_field(frame, FrameImage::Gradient, program);
+    draw_field(frame, field, FrameImage::Gradient, program);
 }
 
 void run_shading(FrameContext& frame) {

@@ -6,12 +6,31 @@
 
 #include <fmt/format.h>
 #include <glad/gl.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <map>
 #include <stdexcept>
 
 namespace isocast {
+
+namespace {
+
+/// The active pages' ranges of samples become those of another field of control samples.
+BlockRanges with_samples_of(const FieldSource& control, BlockRanges ranges,
+                            const std::vector<ActivePage>& active) {
+    tbb::parallel_for(std::size_t{0}, active.size(), [&](std::size_t i) {
+        BlockPage& page = ranges.pages[active[i].page];
+        const Index3 lo = (page_size * page.coordinate.array() - filter_support_below).matrix();
+        std::vector<float> values(in_page(0, 0, page_samples));
+        control.copy_box({lo, (lo.array() + page_samples).matrix()}, 0, values);
+        const auto [min, max] = std::ranges::minmax(values);
+        page.samples = {min, max};
+    });
+    return ranges;
+}
+
+} // namespace
 
 Renderer::Renderer(gl::Context& context, const std::filesystem::path& shader_folder)
     : context_(context), shaders_({shader_folder}),
@@ -22,15 +41,28 @@ void Renderer::load(Scene scene, const Progress& progress) {
     const float iso = static_cast<float>(scene.iso_world);
     if (scene.quality.rate && scene.quality.rate_factor < 1)
         throw InputError("the factor between two sampling rates must be at least 1");
+    const Filter derivative_filter = scene.derivative_filter.value_or(scene.filter);
+    const bool has_derivative_field = !share_control_samples(scene.filter, derivative_filter);
+    StorageOptions storage = scene.storage;
+    if (has_derivative_field) storage.budget_bytes /= 2;
     // The old field goes first, so that both are never in memory.
     field_ = {};
+    derivative_field_ = {};
+    derivative_control_ = {};
     control_ = control_samples(scene.field, scene.filter, progress);
     ranges_ = find_block_ranges(*control_, kernel_of(scene.filter), progress);
     active_ = active_pages(ranges_, iso);
     active_ =
         active_pages(ranges_, iso, storage_error(ranges_, active_, iso, scene.storage.format));
     field_ = FieldOnGpu(*scene.field, *control_, kernel_of(scene.filter), ranges_, active_, iso,
-                        scene.storage, progress);
+                        storage, progress);
+    if (has_derivative_field) {
+        derivative_control_ = control_samples(scene.field, derivative_filter, progress);
+        derivative_ranges_ = with_samples_of(*derivative_control_, ranges_, active_);
+        derivative_field_ =
+            FieldOnGpu(*scene.field, *derivative_control_, kernel_of(derivative_filter),
+                       derivative_ranges_, active_, iso, storage, progress);
+    }
     // Refining a hit reads the block before as well, which may be gone by then.
     if (scene.quality.rate && !field_.pool().holds_all())
         throw ResourceError("sampling at a rate needs all bricks in the texture budget");
@@ -56,8 +88,10 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
                                      width, height, limit));
     const TilesOnGpu tiles(
         list_blocks(ranges_, active_, scene_.field->space(), camera, width, height));
-    FrameContext frame{shaders_, no_vertices_, scene_, field_,  tiles,
-                       camera,   width,        height, targets_};
+    const bool has_derivative_field = derivative_field_.byte_count() > 0;
+    FrameContext frame{
+        shaders_, no_vertices_, scene_, field_, has_derivative_field ? derivative_field_ : field_,
+        tiles,    camera,       width,  height, targets_};
     const std::vector<Pass> declared = declare_passes(frame);
     const std::vector<Pass> live = live_passes(declared, wanted);
 
@@ -93,7 +127,7 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
     for (PassReport& pass : report.passes)
         if (pass.ran) pass.milliseconds = timers.at(pass.name).milliseconds();
     report.programs_compiled = shaders_.compiled_program_count();
-    report.field_bytes = field_.byte_count();
+    report.field_bytes = field_.byte_count() + derivative_field_.byte_count();
     return report;
 }
 

@@ -60,6 +60,10 @@ private:
     BlockRanges ranges_;
     std::vector<ActivePage> active_;
     FieldOnGpu field_;
+    // Where the derivative filter has control samples of its own.
+    std::shared_ptr<const FieldSource> derivative_control_;
+    BlockRanges derivative_ranges_;
+    FieldOnGpu derivative_field_;
     IndexBox surface_box_;
     FrameTargets targets_;
 };

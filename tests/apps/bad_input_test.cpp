@@ -228,6 +228,7 @@ TEST_F(RefusedOption, StorageThatThereIsNot) {
     };
     refused("--storage", "float8", {"float32", "float16", "norm16"});
     refused("--fetch", "cells", {"rows", "samples"});
+    refused("--derivative-filter", "cubic", {"linear", "bspline", "interpolating"});
     for (const char* mebibytes : {"0", "-1", "nan"}) refused("--texture-memory", mebibytes, {});
     for (const char* rate : {"0", "-1", "65"}) refused("--rate", rate, {"64"});
     refused("--rate-factor", "0", {});

@@ -20,7 +20,7 @@ struct Declared {
     TilesOnGpu tiles{TileLists{}};
     Camera camera;
     FrameTargets targets;
-    FrameContext frame{shaders, no_vertices, scene, field, tiles, camera, 1, 1, targets};
+    FrameContext frame{shaders, no_vertices, scene, field, field, tiles, camera, 1, 1, targets};
     std::vector<Pass> passes = declare_passes(frame);
 };
 

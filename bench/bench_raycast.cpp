@@ -140,7 +140,8 @@ std::vector<DrawCase> guarantee_cases(const std::shared_ptr<const SparseField>& 
 std::vector<DrawCase> storage_cases(const std::shared_ptr<const SparseField>& field) {
     std::vector<DrawCase> cases;
     for (const auto& [fetch_name, fetch] :
-         {std::pair{"rows", Fetch::Rows}, std::pair{"samples", Fetch::Samples}})
+         {std::pair{"rows", Fetch::Rows}, std::pair{"samples", Fetch::Samples},
+          std::pair{"linear", Fetch::Linear}})
         for (const auto& [name, format] : {std::pair{"float32", SampleFormat::Float32},
                                            std::pair{"float16", SampleFormat::Float16},
                                            std::pair{"norm16", SampleFormat::Norm16}})
@@ -255,8 +256,9 @@ int main(int argc, char** argv) {
     app.add_option("--sizes", sizes, "Voxels along the longest side, and nine, @ pixels")
         ->delimiter(',');
     app.add_option("--peers", peers, "openvdb, embree; vtk, teem: minutes")->delimiter(',');
-    app.add_option("--only", only,
-                   "A section: frames, first, storage, guarantee, filters, accuracy, rate");
+    app.add_option(
+        "--only", only,
+        "A section: frames, first, storage, guarantee, filters, accuracy, fetches, rate");
     app.add_option("--backend", backend, "auto, egl, osmesa");
     app.add_option("--threads", threads,
                    "Of the CPU parts and the peers; LP_NUM_THREADS is the GL's");
@@ -306,5 +308,6 @@ int main(int argc, char** argv) {
     }
     if (mesh && asked("first")) run_first_frame(argv[0], *mesh, resolution, size, repeats, backend);
     if (asked("accuracy")) run_accuracy(renderer);
+    if (asked("fetches")) run_fetches(renderer, repeats);
     if (asked("rate")) run_filter_rate(repeats);
 }

@@ -6,9 +6,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <stdexcept>
 
 namespace isocast {
@@ -48,7 +50,7 @@ void store(const BrickLayout& layout, const T* page, int number, std::byte* out)
     for (int z = 0; z < layout.samples(); ++z) {
         for (int y = 0; y < layout.samples(); ++y) {
             const T* row = page + in_page(lo.x(), lo.y() + y, lo.z() + z);
-            if (layout.fetch == Fetch::Samples) {
+            if (layout.fetch != Fetch::Rows) {
                 std::memcpy(out, row, row_bytes);
                 out += row_bytes;
                 continue;
@@ -64,9 +66,21 @@ void store(const BrickLayout& layout, const T* page, int number, std::byte* out)
 } // namespace
 
 Fetch fetch_from_name(std::string_view name) {
-    if (name == "rows") return Fetch::Rows;
-    if (name == "samples") return Fetch::Samples;
-    throw InputError(fmt::format("'{}' is not one of rows, samples", name));
+    for (const Fetch fetch : {Fetch::Rows, Fetch::Samples, Fetch::Linear})
+        if (name == fetch_name(fetch)) return fetch;
+    throw InputError(fmt::format("'{}' is not one of rows, samples, linear", name));
+}
+
+std::string_view fetch_name(Fetch fetch) {
+    switch (fetch) {
+    case Fetch::Rows:
+        return "rows";
+    case Fetch::Samples:
+        return "samples";
+    case Fetch::Linear:
+        return "linear";
+    }
+    throw std::logic_error("unknown fetch");
 }
 
 SampleFormat sample_format_from_name(std::string_view name) {
@@ -89,10 +103,35 @@ gl::Format texel_format(const StorageOptions& options) {
     throw std::logic_error("unknown sample format");
 }
 
+std::map<std::string, std::string> fetch_defines(const StorageOptions& options) {
+    std::map<std::string, std::string> defines{
+        {"FETCH", std::to_string(static_cast<int>(options.fetch))}};
+    if (options.fetch == Fetch::Linear) {
+        defines["FRACTION_BITS"] = std::to_string(options.fraction_bits);
+        defines["IS_REFINED_EXACTLY"] = std::to_string(int{options.is_refined_exactly});
+    }
+    return defines;
+}
+
+Index3 atlas_slots(int count, int samples, int extent) {
+    const int most = std::min(extent, atlas_plane / atlas_row) / samples;
+    const int most_layers =
+        std::min(extent, (std::numeric_limits<int>::max() / atlas_plane) + 1) / samples;
+    const auto quotient = [](int a, int b) { return (a + b - 1) / b; }; // rounded up
+    const int layer = std::max(1, quotient(count, most_layers));
+    const int x = std::min(most, static_cast<int>(std::ceil(std::sqrt(layer))));
+    const int y = std::min(most, quotient(layer, x));
+    return {x, y, std::min(most_layers, quotient(count, x * y))};
+}
+
 BrickLayout::BrickLayout(const StorageOptions& options)
     : fetch(options.fetch), brick_size(options.brick_size),
-      row_stride(fetch == Fetch::Rows ? brick_size : samples()),
-      plane_stride(row_stride * samples()), brick_texels(std::int64_t{plane_stride} * samples()),
+      row_stride(fetch == Fetch::Rows      ? brick_size
+                 : fetch == Fetch::Samples ? samples()
+                                           : atlas_row),
+      plane_stride(fetch == Fetch::Linear ? atlas_plane : row_stride * samples()),
+      brick_texels(std::int64_t{fetch == Fetch::Rows ? brick_size : samples()} * samples() *
+                   samples()),
       brick_bytes(brick_texels * gl::byte_count(texel_format(options))) {
     if (brick_size != 8 && brick_size != 16 && brick_size != 32)
         throw InputError(fmt::format("bricks of {} cells: must be 8, 16 or 32", brick_size));

@@ -273,13 +273,19 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
 
 std::vector<gl::ProgramKey> all_programs() {
     std::vector<gl::ProgramKey> keys{blinn_phong_program};
-    for (const Fetch fetch : {Fetch::Rows, Fetch::Samples}) {
+    std::vector<StorageOptions> storages{{.fetch = Fetch::Rows}, {.fetch = Fetch::Samples}};
+    for (const int fraction_bits : {0, 8})
+        for (const bool is_refined_exactly : {true, false})
+            storages.push_back({.fetch = Fetch::Linear,
+                                .fraction_bits = fraction_bits,
+                                .is_refined_exactly = is_refined_exactly});
+    for (const StorageOptions& storage : storages) {
         for (const Kernel kernel : {Kernel::Linear, Kernel::BSpline, Kernel::CatmullRom}) {
             // Strides and the zero of the samples are numbers, which no #if looks at: those of the
             // default storage stand for all.
-            std::map<std::string, std::string> defines = BrickPool().defines();
-            defines["FETCH"] = std::to_string(static_cast<int>(fetch));
+            std::map<std::string, std::string> defines = fetch_defines(storage);
             defines["KERNEL"] = std::to_string(static_cast<int>(kernel));
+            defines.merge(BrickPool().defines());
             for (const int is_streamed : {0, 1}) {
                 defines["IS_STREAMED"] = std::to_string(is_streamed);
                 keys.push_back({{"common/tiles.vert", "raycast/gradient.frag"}, defines});

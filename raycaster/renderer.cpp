@@ -41,6 +41,10 @@ void Renderer::load(Scene scene, const Progress& progress) {
     const float iso = static_cast<float>(scene.iso_world);
     if (scene.quality.rate && scene.quality.rate_factor < 1)
         throw InputError("the factor between two sampling rates must be at least 1");
+    if (scene.storage.fetch == Fetch::Linear && kernel_of(scene.filter) == Kernel::CatmullRom)
+        throw InputError(fmt::format("linear fetches need weights of one sign, which the filter {} "
+                                     "does not have: fetch rows or samples",
+                                     filter_name(scene.filter)));
     const Filter derivative_filter = scene.derivative_filter.value_or(scene.filter);
     const bool has_derivative_field = !share_control_samples(scene.filter, derivative_filter);
     StorageOptions storage = scene.storage;

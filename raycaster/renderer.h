@@ -35,7 +35,8 @@ public:
     Renderer& operator=(const Renderer&) = delete;
 
     /// Finds the active blocks and uploads their bricks.
-    /// throws  InputError if the scene has no field; ResourceError if it does not fit
+    /// throws  InputError if the scene has no field, or Catmull-Rom's filter for linear fetches;
+    ///         ResourceError if it does not fit
     void load(Scene scene, const Progress& progress = {});
 
     /// Corners of the box of the isosurface [world]; of the field's extent where there is none.

@@ -79,27 +79,26 @@ bool find_hit(Block b, Accuracy accuracy, vec3 point, float t_in, vec3 d, vec3 i
     bool is_bracketed = false;
     bool is_hit = false;
     int tries = 0;
+    float error_of_fetch = fetch_error(b.slope / b.scale);
     bool is_marching = s < s_out;
     while (is_marching) {
         Cell c = cell_of(b.address, b.scale, p_in + s * d);
-        vec2 f = tricubic_value_and_slope(c.address, c.a, b.scale * d);
-        if (side == 0.0) side = f.x < 0.0 ? -1.0 : 1.0;
+        Look look = look_at(b, c, d, accuracy.value_error, error_of_fetch, is_bracketed);
+        if (side == 0.0) side = look.f.x < 0.0 ? -1.0 : 1.0;
         // Values times `side` are positive before the surface.
-        bool has_crossed = (f.x < 0.0) != (side < 0.0);
-        float value = side * f.x;
-        float slope = side * f.y;
+        bool has_crossed = (look.f.x < 0.0) != (side < 0.0);
+        float value = side * look.f.x;
+        float slope = side * look.f.y;
         if (is_bracketed) {
             hi = has_crossed ? s : hi;
             lo = has_crossed ? lo : s;
         } else {
-            float sure = value - accuracy.value_error;
-            // The slope may err by four times as much [1/voxel]: the sums of |weights| are 2 and 1.
-            float slope_error = 4.0 * accuracy.value_error;
-            float safe = safe_step(b, sure > 0.0 ? sure : 0.0, slope - slope_error);
+            float sure = value - look.value_error;
+            float safe = safe_step(b, sure > 0.0 ? sure : 0.0, slope - look.slope_error);
             // A root before `latest` for sure, and only one, if the opposite parabola falls.
-            float above = value + accuracy.value_error;
+            float above = value + look.value_error;
             // Twice `above` is near: the parabola may rise from there before it falls, not as high.
-            float flatter = slope + slope_error;
+            float flatter = slope + look.slope_error;
             float fall = flatter * flatter - 2.0 * b.bend * above;
             float latest = s + 2.0 * above / (sqrt(fall > 0.0 ? fall : 0.0) - flatter);
             bool is_near = 2.0 * above < b.near && flatter < 0.0 && fall > 0.0 && latest <= s_out;
@@ -128,7 +127,7 @@ bool find_hit(Block b, Accuracy accuracy, vec3 point, float t_in, vec3 d, vec3 i
             float bent = -0.5 * b.bend * newton * newton / slope;
             float error = bent < abs(newton) ? bent : abs(newton);
             s = next;
-            is_hit = is_newton && error <= tolerance || hi - lo <= tolerance;
+            is_hit = look.is_final && is_newton && error <= tolerance || hi - lo <= tolerance;
             is_marching = !is_hit;
         }
     }

@@ -52,10 +52,11 @@ bool find_hit(Block b, Accuracy accuracy, vec3 point, float t_in, vec3 d, vec3 i
     int k = int(ceil(t_in / accuracy.fine_step));
     s = max(float(k) * accuracy.fine_step - t_in, 0.0);
     bool is_hit = false;
+    float error_of_fetch = fetch_error(b.slope / b.scale);
     bool is_marching = s < s_out;
     while (is_marching) {
         Cell c = cell_of(b.address, b.scale, p_in + s * d);
-        float f = tricubic_value_and_slope(c.address, c.a, d).x;
+        float f = look_at(b, c, d, 0.0, error_of_fetch, false).f.x;
         if (side == 0.0) side = f < 0.0 ? -1.0 : 1.0;
         is_hit = (f < 0.0) != (side < 0.0);
         if (is_hit) {

@@ -104,7 +104,7 @@ TEST_F(DerivativeFilter, GivesTheTwinsGradientAndLeavesHitsAsTheyAre) {
             if (other == filter) continue;
             SCOPED_TRACE(std::string(filter_name(filter)) + ", derivatives " +
                          std::string(filter_name(other)));
-            for (const Fetch fetch : {Fetch::Rows, Fetch::Samples}) {
+            for (const Fetch fetch : {Fetch::Rows, Fetch::Linear}) {
                 const Pictures p = draw(filter, other, {.fetch = fetch});
                 if (fetch == Fetch::Rows) {
                     EXPECT_EQ(p.hits.rgba, plain.hits.rgba);

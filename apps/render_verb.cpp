@@ -8,7 +8,7 @@
 #include "apps/parsed_option.h"
 #include "apps/verdict_json.h"
 #include "distance_transform/convert.h"
-#include "raycaster/renderer.h"
+#include "raycaster/fetch_choice.h"
 #include "volume/errors.h"
 #include "volume/histogram.h"
 
@@ -41,6 +41,7 @@ struct RenderCommand {
     std::optional<double> rate;
     int rate_factor = Quality{}.rate_factor;
     StorageOptions storage;
+    std::optional<Fetch> fetch;    // the fastest
     std::optional<int> resolution; // of meshes
     gl::Backend backend = gl::Backend::Auto;
     std::optional<ExrLayers> layers;
@@ -105,6 +106,15 @@ auto named(std::string_view name) {
     }
 }
 
+std::optional<Fetch> fetch_or_auto_from(std::string_view name) {
+    if (name == "auto") return std::nullopt;
+    try {
+        return fetch_from_name(name);
+    } catch (const InputError& error) {
+        throw UsageError(fmt::format("{}, auto", error.what()));
+    }
+}
+
 std::int64_t mebibytes_from(std::string_view text) {
     const double mebibytes = number_from(text);
     if (!(mebibytes > 0 && mebibytes <= 1 << 20))
@@ -154,7 +164,7 @@ void write(const RenderCommand& command, const Renderer& renderer, const Camera&
 }
 
 void report_json(const RenderCommand& command, const gl::DriverInfo& driver,
-                 const Renderer& renderer, const FrameReport& frame,
+                 const Renderer& renderer, const FetchChoice& fetch, const FrameReport& frame,
                  const std::vector<std::string>& warnings, const Seconds& seconds) {
     nlohmann::ordered_json passes = nlohmann::ordered_json::array();
     for (const PassReport& pass : frame.passes)
@@ -179,6 +189,7 @@ void report_json(const RenderCommand& command, const gl::DriverInfo& driver,
                  {{"resident", pool.resident_count()},
                   {"active", pool.brick_count()},
                   {"loaded", pool.loaded_count()}}},
+                {"fetch", fetch_name(fetch.fetch)},
                 {"storage_error", pool.storage_error()}, // of a sample, world units
                 {"seconds",
                  {{"field", seconds.field},
@@ -273,6 +284,10 @@ void run(const RenderCommand& command, const std::vector<std::filesystem::path>&
     }
     seconds.field += step.lap();
 
+    FetchChoice fetch{command.fetch.value_or(Fetch::Rows), "asked for"};
+    if (!command.fetch)
+        fetch = choose_fetch(renderer, context->driver(), scene.filter, scene.storage);
+    scene.storage.fetch = fetch.fetch;
     renderer.load(scene, progress);
     seconds.load = step.lap();
     if (!renderer.has_surface()) {
@@ -294,10 +309,13 @@ void run(const RenderCommand& command, const std::vector<std::filesystem::path>&
 
     console.end_progress();
     if (command.json) {
-        report_json(command, context->driver(), renderer, frame, warnings, seconds);
+        report_json(command, context->driver(), renderer, fetch, frame, warnings, seconds);
         return;
     }
-    if (command.explain) explain(frame, renderer.pool(), scene.field->space().voxel_size_world());
+    if (command.explain) {
+        explain(frame, renderer.pool(), scene.field->space().voxel_size_world());
+        fmt::print("fetches {}: {}\n", fetch_name(fetch.fetch), fetch.reason);
+    }
     report(command, context->driver(), renderer, seconds);
 }
 
@@ -348,8 +366,10 @@ Verb render_verb(CLI::App& program, std::vector<std::filesystem::path> shader_fo
     add_parsed(*app, "--storage", command->storage.format, named<sample_format_from_name>,
                "Samples on the GPU: float32 (default), float16, norm16 (16 bits in even steps)")
         ->type_name("FORMAT");
-    add_parsed(*app, "--fetch", command->storage.fetch, named<fetch_from_name>,
-               "rows (default: four samples a texel, fastest) or samples (a quarter of the memory)")
+    add_parsed(*app, "--fetch", command->fetch, fetch_or_auto_from,
+               "How shaders read samples: rows (four a texel), samples (one: a quarter of the "
+               "memory), linear (the same, eight by one filtered fetch where that is exact enough) "
+               "or auto (default: the fastest, by a short measurement on GPUs)")
         ->type_name("NAME");
     add_parsed(
         *app, "--texture-memory", command->storage.budget_bytes, mebibytes_from,

@@ -107,6 +107,21 @@ TEST(Render, ExplainNamesEveryPass) {
         EXPECT_NE(text.find(name), std::string::npos) << text;
 }
 
+TEST(Render, ExplainsWhyItFetchesAsItDoes) {
+    const TemporaryFolder folder;
+    const auto text = [&](std::vector<std::string> more) {
+        more.emplace_back("--explain");
+        return checked_output(isocast(render("field:torus@16", folder / "a.png", more)));
+    };
+    // Osmesa's is a software rasteriser.
+    EXPECT_NE(text({}).find("fetches rows: not measured"), std::string::npos);
+    EXPECT_NE(text({"--fetch", "auto"}).find("fetches rows: not measured"), std::string::npos);
+    EXPECT_NE(text({"--fetch", "linear"}).find("fetches linear: asked for"), std::string::npos);
+    const Json json = Json::parse(checked_output(
+        isocast(render("field:torus@16", folder / "a.png", {"--fetch", "samples", "--json"}))));
+    EXPECT_EQ(json["fetch"], "samples");
+}
+
 TEST(Render, DerivativeFilterChangesTheShadingAlone) {
     const TemporaryFolder folder;
     const auto draw = [&](const std::string& name, std::vector<std::string> more) {

@@ -7,8 +7,8 @@
 
 // FETCH 0, rows: a texel holds the four samples i-1 ... i+2 of its cell along x; 16 fetches.
 // FETCH 1, samples: a texel holds one sample; 64 fetches, a quarter of the memory.
-// FETCH 2, linear: the same in a 3D texture, which the GL filters: 8 fetches of eight samples where that
-//          is exact enough, else 64 of one. An address has 11 bits of x, 11 of y and 9 of z.
+// FETCH 2, linear: the same in a 3D texture, which the GL filters: 8 fetches of eight samples where they
+//          are exact enough, else 64 of one. An address has 11 bits of x, 11 of y and 9 of z.
 #if FETCH == 2
 layout(binding = 1) uniform sampler3D t_atlas;
 ivec3 texel_of(int address) { return ivec3(address & 2047, address >> 11 & 2047, address >> 22); }

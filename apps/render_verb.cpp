@@ -8,7 +8,7 @@
 #include "apps/parsed_option.h"
 #include "apps/verdict_json.h"
 #include "distance_transform/convert.h"
-#include "raycaster/renderer.h"
+#include "raycaster/fetch_choice.h"
 #include "volume/errors.h"
 #include "volume/histogram.h"
 
@@ -37,10 +37,12 @@ struct RenderCommand {
     std::optional<double> iso_world;
     Filter filter = Filter::Interpolating;
     Traversal traversal = Quality{}.traversal;
+    std::optional<Filter> derivative_filter;
     double guarantee_voxels = Quality{}.guarantee_voxels;
     std::optional<double> rate;
     int rate_factor = Quality{}.rate_factor;
     StorageOptions storage;
+    std::optional<Fetch> fetch; // the fastest
     std::optional<double> memory_bytes;
     std::optional<int> resolution; // of meshes
     gl::Backend backend = gl::Backend::Auto;
@@ -106,6 +108,15 @@ auto named(std::string_view name) {
     }
 }
 
+std::optional<Fetch> fetch_or_auto_from(std::string_view name) {
+    if (name == "auto") return std::nullopt;
+    try {
+        return fetch_from_name(name);
+    } catch (const InputError& error) {
+        throw UsageError(fmt::format("{}, auto", error.what()));
+    }
+}
+
 std::int64_t mebibytes_from(std::string_view text) {
     const double mebibytes = number_from(text);
     if (!(mebibytes > 0 && mebibytes <= 1 << 20))
@@ -149,11 +160,13 @@ void write(const RenderCommand& command, const Renderer& renderer, const Camera&
     exr.strings = {{"filter", std::string(filter_name(scene.filter))},
                    {"glRenderer", driver.renderer},
                    {"source", command.input}};
+    if (scene.derivative_filter)
+        exr.strings["derivativeFilter"] = filter_name(*scene.derivative_filter);
     write_exr(exr, command.output);
 }
 
 void report_json(const RenderCommand& command, const gl::DriverInfo& driver,
-                 const Renderer& renderer, const FrameReport& frame,
+                 const Renderer& renderer, const FetchChoice& fetch, const FrameReport& frame,
                  const std::vector<std::string>& warnings, const Seconds& seconds) {
     nlohmann::ordered_json passes = nlohmann::ordered_json::array();
     for (const PassReport& pass : frame.passes)
@@ -178,6 +191,7 @@ void report_json(const RenderCommand& command, const gl::DriverInfo& driver,
                  {{"resident", pool.resident_count()},
                   {"active", pool.brick_count()},
                   {"loaded", pool.loaded_count()}}},
+                {"fetch", fetch_name(fetch.fetch)},
                 {"storage_error", pool.storage_error()}, // of a sample, world units
                 {"seconds",
                  {{"field", seconds.field},
@@ -243,6 +257,7 @@ void run(const RenderCommand& command, const std::vector<std::filesystem::path>&
     std::optional<CheckedMesh> mesh;
     Scene scene;
     scene.filter = command.filter;
+    scene.derivative_filter = command.derivative_filter;
     scene.storage = command.storage;
     scene.quality.traversal = command.traversal;
     scene.quality.guarantee_voxels = command.guarantee_voxels;
@@ -273,6 +288,10 @@ void run(const RenderCommand& command, const std::vector<std::filesystem::path>&
     }
     seconds.field += step.lap();
 
+    FetchChoice fetch{command.fetch.value_or(Fetch::Rows), "asked for"};
+    if (!command.fetch)
+        fetch = choose_fetch(renderer, context->driver(), scene.filter, scene.storage);
+    scene.storage.fetch = fetch.fetch;
     renderer.load(scene, progress);
     seconds.load = step.lap();
     if (!renderer.has_surface()) {
@@ -294,10 +313,13 @@ void run(const RenderCommand& command, const std::vector<std::filesystem::path>&
 
     console.end_progress();
     if (command.json) {
-        report_json(command, context->driver(), renderer, frame, warnings, seconds);
+        report_json(command, context->driver(), renderer, fetch, frame, warnings, seconds);
         return;
     }
-    if (command.explain) explain(frame, renderer.pool(), scene.field->space().voxel_size_world());
+    if (command.explain) {
+        explain(frame, renderer.pool(), scene.field->space().voxel_size_world());
+        fmt::print("fetches {}: {}\n", fetch_name(fetch.fetch), fetch.reason);
+    }
     report(command, context->driver(), renderer, seconds);
 }
 
@@ -330,6 +352,10 @@ Verb render_verb(CLI::App& program, std::vector<std::filesystem::path> shader_fo
         "From samples to a smooth function: interpolating (cubic B-spline through the samples, "
         "default), bspline (smooths), exact, catmull-rom, linear")
         ->type_name("NAME");
+    add_parsed(*app, "--derivative-filter", command->derivative_filter, named<filter_from_name>,
+               "Filter of the gradient, and so of the shading (default: that of --filter); one "
+               "that smooths goes well with a value that interpolates")
+        ->type_name("NAME");
     add_parsed(*app, "--guarantee", command->guarantee_voxels, guarantee_from,
                "No ray passes through more than this of the object unseen [voxels] (default 0.01)")
         ->type_name("SIZE");
@@ -349,8 +375,10 @@ Verb render_verb(CLI::App& program, std::vector<std::filesystem::path> shader_fo
     add_parsed(*app, "--storage", command->storage.format, named<sample_format_from_name>,
                "Samples on the GPU: float32 (default), float16, norm16 (16 bits in even steps)")
         ->type_name("FORMAT");
-    add_parsed(*app, "--fetch", command->storage.fetch, named<fetch_from_name>,
-               "rows (default: four samples a texel, fastest) or samples (a quarter of the memory)")
+    add_parsed(*app, "--fetch", command->fetch, fetch_or_auto_from,
+               "How shaders read samples: rows (four a texel), samples (one: a quarter of the "
+               "memory), linear (the same, eight by one filtered fetch where that is exact enough) "
+               "or auto (default: the fastest, by a short measurement on GPUs)")
         ->type_name("NAME");
     add_parsed(
         *app, "--brick-size", command->storage.brick_size, named<brick_size_from_name>,

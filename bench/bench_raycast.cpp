@@ -142,7 +142,8 @@ std::vector<DrawCase> guarantee_cases(const std::shared_ptr<const SparseField>& 
 std::vector<DrawCase> storage_cases(const std::shared_ptr<const SparseField>& field) {
     std::vector<DrawCase> cases;
     for (const auto& [fetch_name, fetch] :
-         {std::pair{"rows", Fetch::Rows}, std::pair{"samples", Fetch::Samples}})
+         {std::pair{"rows", Fetch::Rows}, std::pair{"samples", Fetch::Samples},
+          std::pair{"linear", Fetch::Linear}})
         for (const auto& [name, format] : {std::pair{"float32", SampleFormat::Float32},
                                            std::pair{"float16", SampleFormat::Float16},
                                            std::pair{"norm16", SampleFormat::Norm16}})
@@ -259,10 +260,10 @@ int main(int argc, char** argv) {
     app.add_option("--sizes", sizes, "Voxels along the longest side, and nine, @ pixels")
         ->delimiter(',');
     app.add_option("--peers", peers, "openvdb, embree; vtk, teem: minutes")->delimiter(',');
-    app.add_option(
-        "--only", only,
-        "A section: frames, first, storage, guarantee, filters, accuracy, rate, iso; of the "
-        "thesis: table-6.1, table-6.2, silhouettes");
+    app.add_option("--only", only,
+                   "A section: frames, first, storage, guarantee, filters, accuracy, fetches, "
+                   "rate, iso; of the "
+                   "thesis: table-6.1, table-6.2, silhouettes");
     app.add_option("--figures", figure_folder, "Folder for figures 6.3 and 6.8 of the thesis");
     app.add_option("--backend", backend, "auto, egl, osmesa");
     app.add_option("--threads", threads,
@@ -353,5 +354,6 @@ int main(int argc, char** argv) {
         }
     }
     if (asked("accuracy")) run_accuracy(renderer);
+    if (asked("fetches")) run_fetches(renderer, repeats);
     if (asked("rate")) run_filter_rate(repeats);
 }

@@ -49,6 +49,13 @@ Kernel kernel_of(Filter filter) {
     return Kernel::BSpline;
 }
 
+bool share_control_samples(Filter a, Filter b) {
+    const auto are_plain = [](Filter filter) {
+        return filter != Filter::Interpolating && filter != Filter::Exact;
+    };
+    return a == b || (are_plain(a) && are_plain(b));
+}
+
 std::shared_ptr<const FieldSource> control_samples(std::shared_ptr<const FieldSource> samples,
                                                    Filter filter, const Progress& progress,
                                                    double memory_bytes) {

@@ -27,6 +27,9 @@ std::string_view filter_name(Filter filter);
 
 Kernel kernel_of(Filter filter);
 
+/// Whether the control samples of two filters are the same.
+bool share_control_samples(Filter a, Filter b);
+
 /// Bytes that the dense coefficients of Filter::Exact may take: 4 GiB, 1024^3 samples.
 inline constexpr double default_control_bytes = 0x1p32;
 

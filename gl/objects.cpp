@@ -195,13 +195,18 @@ std::int64_t Texture::byte_count() const {
 }
 
 void Texture::upload_box(int x, int y, int z, int width, int height, int depth,
-                         std::span<const float> values) {
-    assert(values.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
+                         std::span<const std::byte> texels) {
+    assert(texels.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
                                 static_cast<std::size_t>(depth) *
-                                static_cast<std::size_t>(info(format_).floats));
-    glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
-    glTextureSubImage3D(id(), 0, x, y, z, width, height, depth, info(format_).channels, GL_FLOAT,
-                        values.data());
+                                static_cast<std::size_t>(info(format_).bytes));
+    const int channel_bytes = info(format_).bytes / info(format_).floats;
+    const bool is_half = format_ == Format::R16f || format_ == Format::Rgba16f;
+    glPixelStorei(GL_UNPACK_ALIGNMENT, channel_bytes);
+    glTextureSubImage3D(id(), 0, x, y, z, width, height, depth, info(format_).channels,
+                        channel_bytes == 4 ? GL_FLOAT
+                        : is_half          ? GL_HALF_FLOAT
+                                           : GL_UNSIGNED_SHORT,
+                        texels.data());
 }
 
 void Texture::read_rgba(std::span<float> out) const {

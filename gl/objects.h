@@ -110,9 +110,10 @@ public:
     int depth() const { return size_[2]; }
     std::int64_t byte_count() const;
 
-    /// Replaces a box of a 3D texture; values of 1 (R32f) or 4 (Rgba32f) floats a texel, x fastest.
+    /// Replaces a box of a 3D texture of floats, halves or 16-bit numbers; texels as they are
+    /// stored, x fastest.
     void upload_box(int x, int y, int z, int width, int height, int depth,
-                    std::span<const float> values);
+                    std::span<const std::byte> texels);
 
     /// All texels of a 2D texture as floats, 4 a texel, the bottom row first.
     void read_rgba(std::span<float> out) const;

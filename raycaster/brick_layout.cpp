@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -45,14 +46,19 @@ template<class T>
 void store(const BrickLayout& layout, const T* page, int number, std::byte* out) {
     const int n = layout.per_page();
     const Index3 lo = layout.brick_size * Index3(number % n, number / n % n, number / (n * n));
-    // Pages that share samples store their own, which start with the second in the page's array.
+    // Pages that share samples store their own, which start with the second in the page's array, in
+    // rows as long as the volume; bricks are packed.
     const int first = layout.is_whole ? filter_support_below : 0;
+    const std::int64_t row_texels = layout.is_whole               ? layout.row_stride
+                                    : layout.fetch == Fetch::Rows ? layout.brick_size
+                                                                  : layout.samples();
+    const std::int64_t plane_texels =
+        layout.is_whole ? layout.plane_stride : row_texels * layout.samples();
     for (int z = 0; z < layout.samples(); ++z) {
         for (int y = 0; y < layout.samples(); ++y) {
             const T* row = page + in_page(lo.x(), lo.y() + first + y, lo.z() + first + z);
-            const std::int64_t texel =
-                y * std::int64_t{layout.row_stride} + z * std::int64_t{layout.plane_stride};
-            if (layout.fetch == Fetch::Samples) {
+            const std::int64_t texel = y * row_texels + z * plane_texels;
+            if (layout.fetch != Fetch::Rows) {
                 std::memcpy(out + texel * std::int64_t{sizeof(T)}, row + first,
                             static_cast<std::size_t>(layout.samples()) * sizeof(T));
                 continue;
@@ -75,9 +81,21 @@ int brick_size_from_name(std::string_view name) {
 }
 
 Fetch fetch_from_name(std::string_view name) {
-    if (name == "rows") return Fetch::Rows;
-    if (name == "samples") return Fetch::Samples;
-    throw InputError(fmt::format("'{}' is not one of rows, samples", name));
+    for (const Fetch fetch : {Fetch::Rows, Fetch::Samples, Fetch::Linear})
+        if (name == fetch_name(fetch)) return fetch;
+    throw InputError(fmt::format("'{}' is not one of rows, samples, linear", name));
+}
+
+std::string_view fetch_name(Fetch fetch) {
+    switch (fetch) {
+    case Fetch::Rows:
+        return "rows";
+    case Fetch::Samples:
+        return "samples";
+    case Fetch::Linear:
+        return "linear";
+    }
+    throw std::logic_error("unknown fetch");
 }
 
 SampleFormat sample_format_from_name(std::string_view name) {
@@ -100,15 +118,40 @@ gl::Format texel_format(const StorageOptions& options) {
     throw std::logic_error("unknown sample format");
 }
 
+std::map<std::string, std::string> fetch_defines(const StorageOptions& options) {
+    std::map<std::string, std::string> defines{
+        {"FETCH", std::to_string(static_cast<int>(options.fetch))}};
+    if (options.fetch == Fetch::Linear) {
+        defines["FRACTION_BITS"] = std::to_string(options.fraction_bits);
+        defines["IS_REFINED_EXACTLY"] = std::to_string(int{options.is_refined_exactly});
+    }
+    return defines;
+}
+
+Index3 atlas_slots(int count, int samples, int extent) {
+    const int most = std::min(extent, atlas_plane / atlas_row) / samples;
+    const int most_layers =
+        std::min(extent, (std::numeric_limits<int>::max() / atlas_plane) + 1) / samples;
+    const auto quotient = [](int a, int b) { return (a + b - 1) / b; }; // rounded up
+    const int layer = std::max(1, quotient(count, most_layers));
+    const int x = std::min(most, static_cast<int>(std::ceil(std::sqrt(layer))));
+    const int y = std::min(most, quotient(layer, x));
+    return {x, y, std::min(most_layers, quotient(count, x * y))};
+}
+
 BrickLayout::BrickLayout(const StorageOptions& options, const Index3& table_pages)
     : fetch(options.fetch),
       brick_size(options.brick_size == no_bricks ? page_size : options.brick_size),
-      is_whole(options.brick_size == no_bricks),
-      row_stride(fetch == Fetch::Rows ? brick_size : samples()),
-      plane_stride(row_stride * samples()), brick_texels(std::int64_t{plane_stride} * samples()) {
+      is_whole(options.brick_size == no_bricks), row_stride(fetch == Fetch::Rows      ? brick_size
+                                                            : fetch == Fetch::Samples ? samples()
+                                                                                      : atlas_row),
+      plane_stride(fetch == Fetch::Linear ? atlas_plane : row_stride * samples()),
+      brick_texels(std::int64_t{fetch == Fetch::Rows ? brick_size : samples()} * samples() *
+                   samples()) {
     if (brick_size != 8 && brick_size != 16 && brick_size != 32)
         throw InputError(fmt::format("bricks of {} cells: must be 8, 16 or 32", brick_size));
     if (is_whole) {
+        if (fetch == Fetch::Linear) throw InputError("linear fetches need bricks");
         const double texels = std::pow(page_size, 3) * table_pages.cast<double>().prod();
         if (texels > std::numeric_limits<std::int32_t>::max()) {
             throw ResourceError(

@@ -7,6 +7,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
+#include <string>
 #include <string_view>
 
 namespace isocast {
@@ -15,6 +17,7 @@ namespace isocast {
 enum class Fetch {
     Rows,    // a texel holds the four samples of its cell along x
     Samples, // a texel holds one sample: a quarter of the memory
+    Linear,  // the same in a 3D texture, eight samples at once by the GL's filter (thesis 5.2)
 };
 
 /// How samples are stored.
@@ -24,9 +27,10 @@ enum class SampleFormat {
     Norm16,  // in 2^16 even steps over a power of two that holds all: the same error everywhere
 };
 
-/// "rows" or "samples"; "float32", "float16" or "norm16".
+/// "rows", "samples" or "linear"; "float32", "float16" or "norm16".
 /// throws  InputError that lists these
 Fetch fetch_from_name(std::string_view name);
+std::string_view fetch_name(Fetch fetch);
 SampleFormat sample_format_from_name(std::string_view name);
 
 /// As a brick size: one array of all pages of the block table, empty ones too; to compare with.
@@ -42,9 +46,27 @@ struct StorageOptions {
     int brick_size = 8; // cells along an edge: 8, 16 or 32; no_bricks
     /// Bytes that the samples may take; beyond them bricks are loaded when rays ask for them.
     std::int64_t budget_bytes = std::int64_t{1} << 30;
+    /// For studies of Fetch::Linear: bits to which shaders round the filter's fractions (0: those
+    /// of the GL), and whether exact sums place hits and make gradients.
+    int fraction_bits = 0;
+    bool is_refined_exactly = true;
 };
 
 gl::Format texel_format(const StorageOptions& options);
+/// Those defines of shaders/filtering/tricubic.glsl that #if looks at, but for KERNEL.
+std::map<std::string, std::string> fetch_defines(const StorageOptions& options);
+
+/// Addresses of texels of Fetch::Linear: 11 bits of x, 11 of y, 9 of z; shaders/filtering/
+/// tricubic.glsl.
+inline constexpr int atlas_row = 1 << 11;
+inline constexpr int atlas_plane = 1 << 22;
+
+/// Bricks along the axes of a 3D texture that holds `count` of them, or as many as it can. Hardly
+/// more: less than a layer, and layers are as small as their number allows.
+///
+/// samples  of a brick along an edge
+/// extent   greatest of the texture
+Index3 atlas_slots(int count, int samples, int extent);
 
 /// A brick's texels, and the addresses of cells in them.
 struct BrickLayout {

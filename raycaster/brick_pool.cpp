@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "raycaster/brick_pool.h"
 
+#include "filtering/bounds.h"
 #include "filtering/certificate.h"
 #include "volume/errors.h"
 
@@ -98,9 +99,15 @@ BrickPool::BrickPool(const FieldSource& control, Kernel kernel, const BlockRange
         }
     }
 
-    const std::int64_t limit = std::min(options.budget_bytes / layout_.brick_bytes,
-                                        gl::max_buffer_texels() / layout_.brick_texels);
+    const bool is_atlas = options.fetch == Fetch::Linear;
+    std::int64_t limit = options.budget_bytes / layout_.brick_bytes;
+    if (!is_atlas) limit = std::min(limit, gl::max_buffer_texels() / layout_.brick_texels);
     slot_count_ = static_cast<int>(std::min<std::int64_t>(limit, brick_count()));
+    if (is_atlas) {
+        atlas_slots_ = atlas_slots(slot_count_, layout_.samples(), gl::max_volume_extent());
+        if (atlas_slots_.prod() > limit && atlas_slots_.z() > 1) --atlas_slots_.z();
+        slot_count_ = std::min(slot_count_, atlas_slots_.prod());
+    }
     if (slot_count_ == 0 && brick_count() > 0) {
         throw ResourceError(fmt::format("a texture budget of {} bytes holds no {} of {}",
                                         options.budget_bytes, layout_.is_whole ? "array" : "brick",
@@ -108,8 +115,15 @@ BrickPool::BrickPool(const FieldSource& control, Kernel kernel, const BlockRange
     }
     if (layout_.is_whole) slot_count_ = brick_count();
     brick_in_slot_.assign(static_cast<std::size_t>(slot_count_), -1);
-    samples_ = gl::Buffer::writable((layout_.is_whole ? 1 : slot_count_) * layout_.brick_bytes,
-                                    "brick samples");
+    if (is_atlas && slot_count_ > 0) {
+        const Index3 texels = layout_.samples() * atlas_slots_;
+        atlas_ = gl::Texture::volume(texel_format(options), texels.x(), texels.y(), texels.z(),
+                                     gl::Filter::Linear, "brick samples");
+    } else if (!is_atlas) {
+        samples_ = gl::Buffer::writable((layout_.is_whole ? 1 : slot_count_) * layout_.brick_bytes,
+                                        "brick samples");
+        samples_texture_ = gl::BufferTexture(samples_, texel_format(options), "brick samples");
+    }
     records_ = gl::Buffer::writable(
         static_cast<std::int64_t>(block_records_.size() * sizeof(RecordWords)), "block records");
     if (holds_all()) {
@@ -118,13 +132,16 @@ BrickPool::BrickPool(const FieldSource& control, Kernel kernel, const BlockRange
         for (const int brick : all) bricks_[static_cast<std::size_t>(brick)].slot = brick;
         std::ranges::copy(all, brick_in_slot_.begin());
         const int texel_bytes = gl::byte_count(texel_format(options));
-        samples_.write(0, samples_.byte_count(), [&](std::span<std::byte> memory) {
-            store(all, [&](int brick) {
-                return memory.data() +
-                       texel_bytes * first_texel(bricks_[static_cast<std::size_t>(brick)]);
+        if (is_atlas)
+            upload(all);
+        else
+            samples_.write(0, samples_.byte_count(), [&](std::span<std::byte> memory) {
+                store(all, [&](int brick) {
+                    return memory.data() +
+                           texel_bytes * first_texel(bricks_[static_cast<std::size_t>(brick)]);
+                });
+                if (layout_.is_whole) store_others(table, memory.data());
             });
-            if (layout_.is_whole) store_others(table, memory.data());
-        });
         resident_count_ = brick_count();
     }
     if (progress) progress("upload", 1);
@@ -132,11 +149,14 @@ BrickPool::BrickPool(const FieldSource& control, Kernel kernel, const BlockRange
         std::memcpy(memory.data(), block_records_.data(),
                     block_records_.size() * sizeof(RecordWords));
     });
-    samples_texture_ = gl::BufferTexture(samples_, texel_format(options), "brick samples");
     records_texture_ = gl::BufferTexture(records_, gl::Format::Rgba32ui, "block records");
 }
 
 std::int64_t BrickPool::first_texel(const Brick& brick) const {
+    if (options_.fetch == Fetch::Linear) {
+        const Index3 at = atlas_place(brick.slot);
+        return at.x() + std::int64_t{atlas_row} * at.y() + std::int64_t{atlas_plane} * at.z();
+    }
     if (!layout_.is_whole) return brick.slot * layout_.brick_texels;
     return first_texel_of_page(
         ranges_->pages[active_[static_cast<std::size_t>(brick.page)].page].coordinate);
@@ -230,7 +250,10 @@ void BrickPool::store(std::span<const int> bricks, const std::function<std::byte
             auto record = std::bit_cast<BlockRecord>(block_records_[block]);
             const Brick& brick = bricks_[static_cast<std::size_t>(brick_of_block_[block])];
             record.slope = bounds.slope * stored_from_world;
-            record.bend = bounds.bend * stored_from_world;
+            // "No bound" is a great number that the shader multiplies by values: finite still.
+            record.bend = bounds.bend < no_bend
+                              ? bounds.bend * stored_from_world
+                              : no_bend / std::max(1.0F, codec_.greatest_stored());
             record.near = bounds.near * stored_from_world;
             record.scale = 1;
             record.address =
@@ -241,6 +264,39 @@ void BrickPool::store(std::span<const int> bricks, const std::function<std::byte
         }
     });
     loaded_count_ += std::ssize(bricks);
+}
+
+/// Stores bricks in the slots that they have.
+void BrickPool::upload(std::span<const int> bricks) {
+    // 64 MiB at a time: little beside the budget, and many pages for all threads.
+    const auto brick_bytes = static_cast<std::size_t>(layout_.brick_bytes);
+    const std::size_t most = std::max<std::size_t>(1, (std::size_t{64} << 20) / brick_bytes);
+    std::vector<std::byte> staging(std::min(most, bricks.size()) * brick_bytes);
+    for (; !bricks.empty(); bricks = bricks.subspan(std::min(most, bricks.size()))) {
+        const auto some = bricks.first(std::min(most, bricks.size()));
+        const auto staged = [&](std::size_t i) {
+            return std::span(staging).subspan(i * brick_bytes, brick_bytes);
+        };
+        store(some, [&](int i) { return staged(static_cast<std::size_t>(i)).data(); });
+        for (std::size_t i = 0; i < some.size(); ++i) {
+            const int slot = bricks_[static_cast<std::size_t>(some[i])].slot;
+            if (options_.fetch == Fetch::Linear) {
+                const Index3 at = atlas_place(slot);
+                const int n = layout_.samples();
+                atlas_.upload_box(at.x(), at.y(), at.z(), n, n, n, staged(i));
+            } else {
+                samples_.write(slot * layout_.brick_bytes, layout_.brick_bytes,
+                               [&](std::span<std::byte> memory) {
+                                   std::ranges::copy(staged(i), memory.begin());
+                               });
+            }
+        }
+    }
+}
+
+Index3 BrickPool::atlas_place(int slot) const {
+    const Index3& n = atlas_slots_;
+    return layout_.samples() * Index3(slot % n.x(), slot / n.x() % n.y(), slot / (n.x() * n.y()));
 }
 
 void BrickPool::load(std::span<const int> used, std::span<const int> wanted) {
@@ -283,16 +339,7 @@ void BrickPool::load(std::span<const int> used, std::span<const int> wanted) {
         is_moved[static_cast<std::size_t>(incoming[i])] = 1;
         ++resident_count_;
     }
-    std::vector<std::byte> staging(incoming.size() * static_cast<std::size_t>(layout_.brick_bytes));
-    store(incoming, [&](int i) { return staging.data() + i * layout_.brick_bytes; });
-    for (std::size_t i = 0; i < incoming.size(); ++i) {
-        const auto brick = static_cast<std::size_t>(incoming[i]);
-        samples_.write(bricks_[brick].slot * layout_.brick_bytes, layout_.brick_bytes,
-                       [&](std::span<std::byte> memory) {
-                           std::memcpy(memory.data(), staging.data() + i * memory.size(),
-                                       memory.size());
-                       });
-    }
+    upload(incoming);
     // The records of bricks that came or went; one map for all, since there may be many.
     for (std::size_t block = 0; block < block_records_.size(); ++block) {
         const auto brick = static_cast<std::size_t>(brick_of_block_[block]);
@@ -307,19 +354,24 @@ void BrickPool::load(std::span<const int> used, std::span<const int> wanted) {
 }
 
 void BrickPool::bind() const {
-    samples_texture_.bind_to_unit(1);
+    if (options_.fetch == Fetch::Linear)
+        atlas_.bind_to_unit(1);
+    else
+        samples_texture_.bind_to_unit(1);
     records_texture_.bind_to_unit(2);
 }
 
 std::map<std::string, std::string> BrickPool::defines() const {
-    return {{"FETCH", std::to_string(static_cast<int>(options_.fetch))},
-            {"KERNEL", std::to_string(static_cast<int>(kernel_))},
-            {"IS_STREAMED", holds_all() ? "0" : "1"},
-            {"ROW_STRIDE", std::to_string(layout_.row_stride)},
-            {"PLANE_STRIDE", std::to_string(layout_.plane_stride)},
-            {"SAMPLE_ZERO", options_.format == SampleFormat::Norm16
-                                ? "(32768.0 / 65535.0)" // of GL_R16, whose texels are code / 65535
-                                : "0.0"}};
+    std::map<std::string, std::string> defines = fetch_defines(options_);
+    defines.merge(std::map<std::string, std::string>{
+        {"KERNEL", std::to_string(static_cast<int>(kernel_))},
+        {"IS_STREAMED", holds_all() ? "0" : "1"},
+        {"ROW_STRIDE", std::to_string(layout_.row_stride)},
+        {"PLANE_STRIDE", std::to_string(layout_.plane_stride)},
+        {"SAMPLE_ZERO", options_.format == SampleFormat::Norm16
+                            ? "(32768.0 / 65535.0)" // of GL_R16, whose texels are code / 65535
+                            : "0.0"}});
+    return defines;
 }
 
 } // namespace isocast

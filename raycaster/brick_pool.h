@@ -36,7 +36,9 @@ public:
     bool holds_all() const { return slot_count_ == brick_count(); }
     /// Bricks loaded since the pool was made; more than brick_count() where some came twice.
     std::int64_t loaded_count() const { return loaded_count_; }
-    std::int64_t byte_count() const { return samples_.byte_count() + records_.byte_count(); }
+    std::int64_t byte_count() const {
+        return samples_.byte_count() + atlas_.byte_count() + records_.byte_count();
+    }
 
     /// Makes the bricks of blocks resident, in the order given as far as there is room for them,
     /// instead of those used longest ago.
@@ -69,12 +71,13 @@ private:
     };
 
     void store(std::span<const int> bricks, const std::function<std::byte*(int)>& place);
-    void store_whole(const BlockTable& table);
     void store_others(const BlockTable& table, std::byte* memory) const;
     void read_page(const Index3& page, Workspace& work) const;
     void store_brick_of(const Workspace& work, int number, std::byte* out) const;
     std::int64_t first_texel(const Brick& brick) const;
     std::int64_t first_texel_of_page(const Index3& page) const;
+    void upload(std::span<const int> bricks);
+    Index3 atlas_place(int slot) const;
 
     StorageOptions options_;
     BrickLayout layout_{options_};
@@ -98,8 +101,10 @@ private:
     std::int64_t loaded_count_ = 0;
     std::uint32_t clock_ = 0;
 
-    gl::Buffer samples_;
+    gl::Buffer samples_; // those of Fetch::Linear are in atlas_
     gl::BufferTexture samples_texture_;
+    Index3 atlas_slots_ = Index3::Zero();
+    gl::Texture atlas_;
     gl::Buffer records_;
     gl::BufferTexture records_texture_;
 };

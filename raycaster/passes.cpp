@@ -126,12 +126,13 @@ void draw_tiles(const FrameContext& frame, FrameImage image, const gl::Program& 
 ///
 /// Every pass ends with the bricks in the pool that the first waiting pixels need, so each of them
 /// gets at least one block further.
-void draw_streamed(FrameContext& frame, FrameImage image, const gl::Program& program) {
-    BrickPool& pool = frame.field.pool();
+void draw_streamed(FrameContext& frame, FieldOnGpu& field, FrameImage image,
+                   const gl::Program& program) {
+    BrickPool& pool = field.pool();
     gl::Texture progress =
         gl::Texture::image(gl::Format::R32i, frame.width, frame.height, "pixels' progress");
     progress.clear(-1); // shaders/raycast/stream.glsl: not_started
-    const int block_count = frame.field.block_count();
+    const int block_count = field.block_count();
     gl::ReadbackBuffer visits(std::int64_t{block_count} * 4, "visited blocks");
     frame.targets.framebuffer(image).bind();
     const Eigen::Vector4f empty = Eigen::Vector4f::Zero();
@@ -187,12 +188,13 @@ void draw_blocks(const FrameContext& frame, FrameImage image, const gl::Program&
     }
 }
 
-/// The pass of a program that reads the field.
-void draw_field(FrameContext& frame, FrameImage image, const gl::Program& program) {
-    if (frame.field.pool().holds_all())
+/// The pass of a program that reads the field, or that of derivatives.
+void draw_field(FrameContext& frame, FieldOnGpu& field, FrameImage image,
+                const gl::Program& program) {
+    if (field.pool().holds_all())
         draw_tiles(frame, image, program, Eigen::Vector4f::Zero());
     else
-        draw_streamed(frame, image, program);
+        draw_streamed(frame, field, image, program);
 }
 
 void run_bounds(FrameContext& frame) {
@@ -258,22 +260,25 @@ void run_raycast(FrameContext& frame) {
     if (quality.traversal == Traversal::DrawnBlocks)
         draw_blocks(frame, FrameImage::Hit, program);
     else
-        draw_field(frame, FrameImage::Hit, program);
+        draw_field(frame, frame.field, FrameImage::Hit, program);
 }
 
 void run_gradient(FrameContext& frame) {
-    const gl::Program& program =
-        frame.shaders.program(field_program("raycast/gradient.frag", frame.field.pool()));
-    frame.field.bind(program);
+    FieldOnGpu& field = frame.derivative_field;
+    gl::ProgramKey key = field_program("raycast/gradient.frag", field.pool());
+    const Kernel kernel = kernel_of(frame.scene.derivative_filter.value_or(frame.scene.filter));
+    key.defines["KERNEL"] = std::to_string(static_cast<int>(kernel));
+    const gl::Program& program = frame.shaders.program(key);
+    field.bind(program);
     frame.targets.texture(FrameImage::Hit).bind_to_unit(3);
     const GridSpace& space = frame.scene.field->space();
     const Vec3d eye_local =
-        space.to_index(frame.camera.eye_world) - frame.field.local_origin_index().cast<double>();
+        space.to_index(frame.camera.eye_world) - field.local_origin_index().cast<double>();
     program.set("u_index_from_world",
                 Eigen::Matrix3f(space.world_from_index.linear().inverse().cast<float>()));
-    program.set("u_world_from_stored", frame.field.pool().world_from_stored());
+    program.set("u_world_from_stored", field.pool().world_from_stored());
     program.set("u_eye_local", Eigen::Vector3f(eye_local.cast<float>()));
-    draw_field(frame, FrameImage::Gradient, program);
+    draw_field(frame, field, FrameImage::Gradient, program);
 }
 
 void run_shading(FrameContext& frame) {
@@ -389,13 +394,19 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
 
 std::vector<gl::ProgramKey> all_programs() {
     std::vector<gl::ProgramKey> keys{blinn_phong_program, bounds_program({})};
-    for (const Fetch fetch : {Fetch::Rows, Fetch::Samples}) {
+    std::vector<StorageOptions> storages{{.fetch = Fetch::Rows}, {.fetch = Fetch::Samples}};
+    for (const int fraction_bits : {0, 8})
+        for (const bool is_refined_exactly : {true, false})
+            storages.push_back({.fetch = Fetch::Linear,
+                                .fraction_bits = fraction_bits,
+                                .is_refined_exactly = is_refined_exactly});
+    for (const StorageOptions& storage : storages) {
         for (const Kernel kernel : {Kernel::Linear, Kernel::BSpline, Kernel::CatmullRom}) {
             // Strides and the zero of the samples are numbers, which no #if looks at: those of the
             // default storage stand for all.
-            std::map<std::string, std::string> defines = BrickPool().defines();
-            defines["FETCH"] = std::to_string(static_cast<int>(fetch));
+            std::map<std::string, std::string> defines = fetch_defines(storage);
             defines["KERNEL"] = std::to_string(static_cast<int>(kernel));
+            defines.merge(BrickPool().defines());
             for (const int is_streamed : {0, 1}) {
                 defines["IS_STREAMED"] = std::to_string(is_streamed);
                 keys.push_back({{"common/tiles.vert", "raycast/gradient.frag"}, defines});

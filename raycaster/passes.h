@@ -99,6 +99,7 @@ struct FrameContext {
     const gl::VertexArray& no_vertices;
     const Scene& scene;
     FieldOnGpu& field;
+    FieldOnGpu& derivative_field; // of the same blocks; `field` where control samples are shared
     const PlacesOnGpu& places;
     const Camera& camera;
     int width;

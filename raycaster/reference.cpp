@@ -101,11 +101,23 @@ ReferenceCaster::Sign ReferenceCaster::sign_over(const Index3& cell) const {
 }
 
 double ReferenceCaster::value(const Vec3d& p_index) const {
+    return sum_at(p_index, std::nullopt) - iso_;
+}
+
+Vec3d ReferenceCaster::gradient(const Vec3d& p_index) const {
+    return {sum_at(p_index, 0), sum_at(p_index, 1), sum_at(p_index, 2)};
+}
+
+double ReferenceCaster::sum_at(const Vec3d& p_index, std::optional<int> derived) const {
     const Index3 cell = cell_of(p_index);
     const Vec3d a = p_index - (extent_.lo + cell).cast<double>();
-    const auto x = kernel_weights(options_.kernel, a.x());
-    const auto y = kernel_weights(options_.kernel, a.y());
-    const auto z = kernel_weights(options_.kernel, a.z());
+    const auto weights = [&](int axis) {
+        return axis == derived ? kernel_weights_d1(options_.kernel, a[axis])
+                               : kernel_weights(options_.kernel, a[axis]);
+    };
+    const auto x = weights(0);
+    const auto y = weights(1);
+    const auto z = weights(2);
     const Support c = support_of(cell);
     double sum = 0;
     for (std::size_t k = 0; k < 4; ++k) {
@@ -114,7 +126,7 @@ double ReferenceCaster::value(const Vec3d& p_index) const {
             sum += z[k] * y[j] * (x[0] * row[0] + x[1] * row[1] + x[2] * row[2] + x[3] * row[3]);
         }
     }
-    return sum - iso_;
+    return sum;
 }
 
 std::optional<double> ReferenceCaster::hit(const Ray& ray) const {

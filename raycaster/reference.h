@@ -38,11 +38,17 @@ public:
     /// f - iso at a point of the extent, by 64 products.
     double value(const Vec3d& p_index) const;
 
+    /// Gradient at a point of the extent [world/voxel], index space. With another derivative filter
+    /// than the value's: of a caster of that filter's control samples and kernel.
+    Vec3d gradient(const Vec3d& p_index) const;
+
 private:
     /// Sign of f - iso all over a cell, as far as is known.
     enum class Sign : std::int8_t { Inside = -1, Unknown = 0, Outside = 1 };
     using Support = std::array<double, 64>; // x fastest
 
+    /// The sum over the support, derived along an axis or not.
+    double sum_at(const Vec3d& p_index, std::optional<int> derived) const;
     Index3 cell_of(const Vec3d& p_index) const;
     std::size_t cell_number(const Index3& cell) const;
     Support support_of(const Index3& cell) const;

@@ -6,12 +6,31 @@
 
 #include <fmt/format.h>
 #include <glad/gl.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <map>
 #include <stdexcept>
 
 namespace isocast {
+
+namespace {
+
+/// The active pages' ranges of samples become those of another field of control samples.
+BlockRanges with_samples_of(const FieldSource& control, BlockRanges ranges,
+                            const std::vector<ActivePage>& active) {
+    tbb::parallel_for(std::size_t{0}, active.size(), [&](std::size_t i) {
+        BlockPage& page = ranges.pages[active[i].page];
+        const Index3 lo = (page_size * page.coordinate.array() - filter_support_below).matrix();
+        std::vector<float> values(in_page(0, 0, page_samples));
+        control.copy_box({lo, (lo.array() + page_samples).matrix()}, 0, values);
+        const auto [min, max] = std::ranges::minmax(values);
+        page.samples = {min, max};
+    });
+    return ranges;
+}
+
+} // namespace
 
 Renderer::Renderer(gl::Context& context, const std::filesystem::path& shader_folder)
     : context_(context), shaders_({shader_folder}),
@@ -21,10 +40,19 @@ void Renderer::load(Scene scene, const Progress& progress) {
     if (!scene.field) throw InputError("the scene has no field");
     if (scene.quality.rate && scene.quality.rate_factor < 1)
         throw InputError("the factor between two sampling rates must be at least 1");
+    if (scene.storage.fetch == Fetch::Linear && kernel_of(scene.filter) == Kernel::CatmullRom)
+        throw InputError(fmt::format("linear fetches need weights of one sign, which the filter {} "
+                                     "does not have: fetch rows or samples",
+                                     filter_name(scene.filter)));
     // The old field goes first, so that both are never in memory.
     field_ = {};
     moving_.reset();
+    derivative_field_ = {};
+    derivative_control_ = {};
     control_ = control_samples(scene.field, scene.filter, progress);
+    if (const Filter derivative_filter = scene.derivative_filter.value_or(scene.filter);
+        !share_control_samples(scene.filter, derivative_filter))
+        derivative_control_ = control_samples(scene.field, derivative_filter, progress);
     ranges_ = find_block_ranges(*control_, kernel_of(scene.filter), progress);
     scene_ = std::move(scene);
     const float iso = static_cast<float>(scene_.iso_world);
@@ -56,9 +84,18 @@ float Renderer::error_of_storage() const {
 void Renderer::upload(const Progress& progress) {
     surface_box_.reset();
     field_ = {};
-    field_ = FieldOnGpu(*scene_.field, *control_, kernel_of(scene_.filter), ranges_, active_,
-                        static_cast<float>(scene_.iso_world), scene_.storage, progress,
-                        scene_.quality.traversal);
+    derivative_field_ = {};
+    const float iso = static_cast<float>(scene_.iso_world);
+    StorageOptions storage = scene_.storage;
+    if (derivative_control_) storage.budget_bytes /= 2;
+    field_ = FieldOnGpu(*scene_.field, *control_, kernel_of(scene_.filter), ranges_, active_, iso,
+                        storage, progress, scene_.quality.traversal);
+    if (derivative_control_) {
+        derivative_ranges_ = with_samples_of(*derivative_control_, ranges_, active_);
+        derivative_field_ =
+            FieldOnGpu(*scene_.field, *derivative_control_, kernel_of(*scene_.derivative_filter),
+                       derivative_ranges_, active_, iso, storage, progress);
+    }
     // Refining a sampled hit reads the block before as well, which may be gone by then; and only a
     // place in a list is kept from pass to pass.
     const bool can_stream =
@@ -102,8 +139,10 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
                                      width, height, limit));
     const PlacesOnGpu places(scene_.quality.traversal, ranges_, active_, scene_.field->space(),
                              camera, width, height);
-    FrameContext frame{shaders_, no_vertices_, scene_, field_,  places,
-                       camera,   width,        height, targets_};
+    const bool has_derivative_field = derivative_field_.byte_count() > 0;
+    FrameContext frame{
+        shaders_, no_vertices_, scene_, field_, has_derivative_field ? derivative_field_ : field_,
+        places,   camera,       width,  height, targets_};
     const std::vector<Pass> declared = declare_passes(frame);
     const std::vector<Pass> live = live_passes(declared, wanted);
 
@@ -139,7 +178,7 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
     for (PassReport& pass : report.passes)
         if (pass.ran) pass.milliseconds = timers.at(pass.name).milliseconds();
     report.programs_compiled = shaders_.compiled_program_count();
-    report.field_bytes = field_.byte_count();
+    report.field_bytes = field_.byte_count() + derivative_field_.byte_count();
     return report;
 }
 

@@ -36,7 +36,8 @@ public:
     Renderer& operator=(const Renderer&) = delete;
 
     /// Finds the active blocks and uploads their bricks.
-    /// throws  InputError if the scene has no field; ResourceError if it does not fit
+    /// throws  InputError if the scene has no field, or Catmull-Rom's filter for linear fetches;
+    ///         ResourceError if it does not fit
     void load(Scene scene, const Progress& progress = {});
 
     /// Moves the isosurface of the loaded scene: pictures are, bit by bit, those of the same scene
@@ -76,6 +77,10 @@ private:
     std::vector<ActivePage> active_;
     std::optional<ActiveSet> moving_; // made when the iso value moves first
     FieldOnGpu field_;
+    // Where the derivative filter has control samples of its own.
+    std::shared_ptr<const FieldSource> derivative_control_;
+    BlockRanges derivative_ranges_;
+    FieldOnGpu derivative_field_;
     mutable std::optional<IndexBox> surface_box_;
     FrameTargets targets_;
 };

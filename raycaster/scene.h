@@ -56,6 +56,8 @@ struct Scene {
     std::shared_ptr<const FieldSource> field;
     double iso_world = 0;
     Filter filter = Filter::Interpolating;
+    /// Gradients by another filter than values (thesis section 6.4.4); by the same if empty.
+    std::optional<Filter> derivative_filter;
     StorageOptions storage;
     Material material;
     Light light;

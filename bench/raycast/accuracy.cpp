@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -18,35 +19,39 @@
 
 namespace isocast {
 
-namespace {
-
-constexpr int resolution = 64;
-constexpr int size = 512;
-
-/// The torus of the project's sketches: off the lattice, tilted; voxels of size 1.
 AnalyticField study_torus() {
-    const double middle = (resolution - 1) / 2.0;
+    const double middle = (study_resolution - 1) / 2.0;
     return torus_field(Vec3d(middle + 0.137, middle - 0.241, middle + 0.319), {0.3, 1, 0.5},
-                       0.28 * resolution, 0.11 * resolution);
+                       0.28 * study_resolution, 0.11 * study_resolution);
 }
 
-/// Its exact distances, rounded once.
-std::shared_ptr<const DenseField> distances(const AnalyticField& torus, double half_width) {
-    const IndexBox box{Index3::Zero(), Index3::Constant(resolution)};
+std::shared_ptr<const FieldSource> study_distances(double half_width) {
+    const AnalyticField torus = study_torus();
+    const IndexBox box{Index3::Zero(), Index3::Constant(study_resolution)};
     std::vector<float> values;
-    for (int z = 0; z < resolution; ++z)
-        for (int y = 0; y < resolution; ++y)
-            for (int x = 0; x < resolution; ++x)
+    for (int z = 0; z < study_resolution; ++z)
+        for (int y = 0; y < study_resolution; ++y)
+            for (int x = 0; x < study_resolution; ++x)
                 values.push_back(static_cast<float>(
                     std::clamp(torus.jet(Vec3d(x, y, z)).value, -half_width, half_width)));
     return std::make_shared<DenseField>(GridSpace::uniform(1), box, std::move(values), half_width);
 }
 
 Camera study_camera() {
-    const Vec3d middle = Vec3d::Constant((resolution - 1) / 2.0);
-    return {.eye_world = middle + 2.2 * resolution * Vec3d(0.45, 0.35, 1).normalized(),
+    const Vec3d middle = Vec3d::Constant((study_resolution - 1) / 2.0);
+    return {.eye_world = middle + 2.2 * study_resolution * Vec3d(0.45, 0.35, 1).normalized(),
             .target_world = middle};
 }
+
+double degrees_between(const Vec3d& a, const Vec3d& b) {
+    // By the sine: acos of nearly one would round to 0.02 degrees.
+    return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi;
+}
+
+namespace {
+
+constexpr int resolution = study_resolution;
+constexpr int size = study_size;
 
 /// Which pixels see the surface, by `hits(ray)`; true bytes for threads.
 template<class Hits>
@@ -102,9 +107,7 @@ Accuracy measure(const Renderer& renderer, const AnalyticField& torus, const Cam
             const Jet jet = torus.jet(camera.eye_world + Vec3d(h[0], h[1], h[2]));
             const float* g = gradient.pixel(x, y);
             const Vec3d n = Vec3d(g[0], g[1], g[2]).normalized();
-            // By the sine: acos of nearly one would round to 0.02 degrees.
-            const double degrees = std::atan2(n.cross(jet.gradient).norm(), n.dot(jet.gradient)) *
-                                   180 / std::numbers::pi;
+            const double degrees = degrees_between(n, jet.gradient);
             const double off = std::abs(jet.value);
             a.hit_max = std::max(a.hit_max, off);
             a.hit_rms += off * off;
@@ -116,6 +119,21 @@ Accuracy measure(const Renderer& renderer, const AnalyticField& torus, const Cam
     return a;
 }
 
+struct FilterCase {
+    const char* name;
+    Filter value;
+    std::optional<Filter> derivative;
+};
+
+/// The filters by themselves, and two pairs of thesis section 6.4.4's kind.
+constexpr std::array filter_cases{
+    FilterCase{"interpolating", Filter::Interpolating, {}},
+    FilterCase{"bspline", Filter::BSpline, {}},
+    FilterCase{"catmull-rom", Filter::CatmullRom, {}},
+    FilterCase{"linear", Filter::Linear, {}},
+    FilterCase{"linear, interpolating gradient", Filter::Linear, Filter::Interpolating},
+    FilterCase{"interpolating, bspline gradient", Filter::Interpolating, Filter::BSpline}};
+
 } // namespace
 
 void run_accuracy(Renderer& renderer) {
@@ -126,7 +144,7 @@ void run_accuracy(Renderer& renderer) {
         "\nAccuracy on the exact torus, {}^3 @ {}^2. Hits: distance from the torus [voxels]; "
         "normals [degrees]; missed/false pixels against the double reference caster on the "
         "unrounded control samples, and against the torus itself\n"
-        "{:<14} {:<6} {:<8} {:>6} {:>9} {:>9} {:>9} {:>9} {:>8} {:>8} {:>8} {:>8}\n",
+        "{:<32} {:<6} {:<8} {:>6} {:>9} {:>9} {:>9} {:>9} {:>8} {:>8} {:>8} {:>8}\n",
         resolution, size, "filter", "band", "storage", "hits", "hit RMS", "max", "normal RMS",
         "max", "missed", "false", "missed", "false");
     struct Band {
@@ -134,9 +152,9 @@ void run_accuracy(Renderer& renderer) {
         double half_width;
     };
     for (const Band& band : {Band{"none", 1e6}, Band{"3", 3}}) {
-        const auto samples = distances(torus, band.half_width);
-        for (const Filter filter :
-             {Filter::Interpolating, Filter::BSpline, Filter::CatmullRom, Filter::Linear}) {
+        const auto samples = study_distances(band.half_width);
+        for (const FilterCase& filters : filter_cases) {
+            const Filter filter = filters.value;
             // The reference evaluates all samples; beyond the extent nothing of the torus lies.
             const ReferenceCaster caster(*control_samples(samples, filter), 0,
                                          {.kernel = kernel_of(filter)});
@@ -145,12 +163,15 @@ void run_accuracy(Renderer& renderer) {
             for (const auto& [name, format] : {std::pair{"float32", SampleFormat::Float32},
                                                std::pair{"float16", SampleFormat::Float16},
                                                std::pair{"norm16", SampleFormat::Norm16}}) {
-                renderer.load({.field = samples, .filter = filter, .storage = {.format = format}});
+                renderer.load({.field = samples,
+                               .filter = filter,
+                               .derivative_filter = filters.derivative,
+                               .storage = {.format = format}});
                 renderer.draw(camera, size, size, {FrameImage::Hit, FrameImage::Gradient});
                 const Accuracy a = measure(renderer, torus, camera, reference, exact);
-                fmt::print("{:<14} {:<6} {:<8} {:>6} {:>9.2e} {:>9.2e} {:>9.4f} {:>9.4f} {:>8} "
+                fmt::print("{:<32} {:<6} {:<8} {:>6} {:>9.2e} {:>9.2e} {:>9.4f} {:>9.4f} {:>8} "
                            "{:>8} {:>8} {:>8}\n",
-                           filter_name(filter), band.name, name, a.hits, a.hit_rms, a.hit_max,
+                           filters.name, band.name, name, a.hits, a.hit_rms, a.hit_max,
                            a.normal_rms, a.normal_max, a.missed, a.false_hits, a.missed_exact,
                            a.false_exact);
                 std::fflush(stdout);

@@ -58,7 +58,7 @@ void run_filter_rate(int repeats) {
     const gl::BufferTexture fours(row_buffer, gl::Format::Rgba32f, "rows");
     auto volume =
         gl::Texture::volume(gl::Format::R32f, extent, extent, extent, gl::Filter::Linear, "volume");
-    volume.upload_box(0, 0, 0, extent, extent, extent, values);
+    volume.upload_box(0, 0, 0, extent, extent, extent, std::as_bytes(std::span(values)));
     const auto image = gl::Texture::image(gl::Format::Rgba32f, size, size, "sums");
     const gl::Framebuffer target({&image}, "sums");
 
@@ -67,20 +67,27 @@ void run_filter_rate(int repeats) {
                                  Method{"trilinear, samples", 0, 0, 1},
                                  Method{"tricubic, rows", 0, 1, 0},
                                  Method{"tricubic, samples", 0, 1, 1},
+                                 Method{"tricubic, linear", 0, 1, 2},
                                  Method{"trilinear with slope, rows", 1, 0, 0},
-                                 Method{"tricubic with slope, rows", 1, 1, 0}};
+                                 Method{"tricubic with slope, rows", 1, 1, 0},
+                                 Method{"tricubic with slope, linear", 1, 1, 2}};
     std::map<std::string, std::vector<double>> taken;
     for (int turn = 0; turn < repeats; ++turn)
         for (const Method& m : methods) {
-            const gl::Program& program =
-                shaders.program({{"raycast/whole_picture.vert", "raycast/filter_rate.frag"},
-                                 {{"METHOD", std::to_string(m.method)},
-                                  {"KERNEL", std::to_string(m.kernel)},
-                                  {"FETCH", std::to_string(m.fetch)},
-                                  {"ROW_STRIDE", std::to_string(extent)},
-                                  {"PLANE_STRIDE", std::to_string(extent * extent)},
-                                  {"SAMPLE_ZERO", "0.0"}}});
-            (m.fetch == 0 ? fours : ones).bind_to_unit(1);
+            const bool is_atlas = m.fetch == 2;
+            std::map<std::string, std::string> defines =
+                fetch_defines({.fetch = static_cast<Fetch>(m.fetch)});
+            defines["METHOD"] = std::to_string(m.method);
+            defines["KERNEL"] = std::to_string(m.kernel);
+            defines["ROW_STRIDE"] = std::to_string(is_atlas ? atlas_row : extent);
+            defines["PLANE_STRIDE"] = std::to_string(is_atlas ? atlas_plane : extent * extent);
+            defines["SAMPLE_ZERO"] = "0.0";
+            const gl::Program& program = shaders.program(
+                {{"raycast/whole_picture.vert", "raycast/filter_rate.frag"}, defines});
+            if (is_atlas)
+                volume.bind_to_unit(1);
+            else
+                (m.fetch == 0 ? fours : ones).bind_to_unit(1);
             volume.bind_to_unit(5);
             program.set("u_samples", samples);
             program.set("u_from_pixel", 40.0F / size);

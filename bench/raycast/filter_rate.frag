@@ -26,9 +26,9 @@ void main() {
         ivec3 c = ivec3(cell) - 1;
         int address = c.x + ROW_STRIDE * c.y + PLANE_STRIDE * c.z;
 #if METHOD == 0
-        sum.x += tricubic_value_and_slope(address, q - cell, d).x;
+        sum.x += fast_value_and_slope(address, q - cell, d).x;
 #elif METHOD == 1
-        sum += tricubic_value_and_slope(address, q - cell, d);
+        sum += fast_value_and_slope(address, q - cell, d);
 #else
 #error unknown METHOD
 #endif

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "raycaster/renderer.h"
+#include "volume/analytic_fields.h"
 
 #include <filesystem>
 #include <string>
@@ -43,8 +44,21 @@ double frame_seconds(Renderer& renderer, const Camera& camera, int size, FrameRe
 void run_moving_iso(Renderer& renderer, const std::string& name, const Scene& scene, double small,
                     double large, int repeats);
 
+/// The torus of the accuracy sections: off the lattice, tilted; voxels of size 1.
+inline constexpr int study_resolution = 64;
+inline constexpr int study_size = 512; // pixels
+AnalyticField study_torus();
+Camera study_camera();
+/// Its exact distances, rounded once.
+std::shared_ptr<const FieldSource> study_distances(double half_width);
+double degrees_between(const Vec3d& a, const Vec3d& b);
+
 /// Every filter and storage on the exact distances of a torus; prints a table.
 void run_accuracy(Renderer& renderer);
+
+/// Time and error of each way to fetch, the GL's filter with fractions of 8 bits included; prints a
+/// table.
+void run_fetches(Renderer& renderer, int repeats);
 
 /// Samples a second of tricubic and trilinear filters; prints a table.
 void run_filter_rate(int repeats);

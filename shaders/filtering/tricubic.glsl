@@ -7,7 +7,14 @@
 
 // FETCH 0, rows: a texel holds the four samples i-1 ... i+2 of its cell along x; 16 fetches.
 // FETCH 1, samples: a texel holds one sample; 64 fetches, a quarter of the memory.
+// FETCH 2, linear: the same in a 3D texture, which the GL filters: 8 fetches of eight samples where they
+//          are exact enough, else 64 of one. An address has 11 bits of x, 11 of y and 9 of z.
+#if FETCH == 2
+layout(binding = 1) uniform sampler3D t_atlas;
+ivec3 texel_of(int address) { return ivec3(address & 2047, address >> 11 & 2047, address >> 22); }
+#else
 layout(binding = 1) uniform samplerBuffer t_samples;
+#endif
 // ROW_STRIDE, PLANE_STRIDE: texels from a row to the next along y and along z. Values are in units of
 // the stored samples, which are world units times a power of two; SAMPLE_ZERO is what stands for 0.
 
@@ -18,6 +25,11 @@ vec4 row_of_four(int address) {
 #elif FETCH == 1
     return vec4(texelFetch(t_samples, address).r, texelFetch(t_samples, address + 1).r,
                 texelFetch(t_samples, address + 2).r, texelFetch(t_samples, address + 3).r);
+#elif FETCH == 2
+    ivec3 t = texel_of(address);
+    return vec4(texelFetch(t_atlas, t, 0).r, texelFetch(t_atlas, t + ivec3(1, 0, 0), 0).r,
+                texelFetch(t_atlas, t + ivec3(2, 0, 0), 0).r,
+                texelFetch(t_atlas, t + ivec3(3, 0, 0), 0).r);
 #else
 #error unknown FETCH
 #endif
@@ -71,3 +83,14 @@ vec3 tricubic_gradient(int address, vec3 a) {
     }
     return gradient;
 }
+
+// The same two by the fewest fetches, for what may err by fetch_error() of a slope bound [1/cell].
+#if FETCH == 2 && KERNEL != 2 // Catmull-Rom's weights have both signs
+#include "filtering/linear_fetches.glsl"
+#else
+vec3 fast_gradient(int address, vec3 a) { return tricubic_gradient(address, a); }
+vec2 fast_value_and_slope(int address, vec3 a, vec3 d) {
+    return tricubic_value_and_slope(address, a, d);
+}
+float fetch_error(float slope) { return 0.0; }
+#endif

@@ -22,5 +22,10 @@ vec3 field_gradient(vec3 p_local) {
     if (!is_active(word)) return vec3(0.0);
     Block b = fetch_block(int(word & word_number));
     Cell c = cell_of(b.address, b.scale, p_local - (u_table_lo + b.lo));
+#if FETCH == 2
+#if !IS_REFINED_EXACTLY
+    return b.scale * fast_gradient(c.address, c.a);
+#endif
+#endif
     return b.scale * tricubic_gradient(c.address, c.a);
 }

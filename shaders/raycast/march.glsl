@@ -97,7 +97,9 @@ bool look(Block b, Accuracy accuracy, vec3 point, vec3 d, vec3 inverse, inout fl
           inout Search search) {
     float s = search.s;
     Cell c = cell_of(b.address, b.scale, search.p_in + s * d);
-    vec2 f = tricubic_value_and_slope(c.address, c.a, b.scale * d);
+    Look seen = look_at(b, c, d, accuracy.value_error, fetch_error(b.slope / b.scale),
+                        search.is_bracketed);
+    vec2 f = seen.f;
     if (side == 0.0) side = f.x < 0.0 ? -1.0 : 1.0;
     // Values times `side` are positive before the surface.
     bool has_crossed = (f.x < 0.0) != (side < 0.0);
@@ -108,14 +110,12 @@ bool look(Block b, Accuracy accuracy, vec3 point, vec3 d, vec3 inverse, inout fl
         search.hi = has_crossed ? s : search.hi;
         search.lo = has_crossed ? search.lo : s;
     } else {
-        float sure = value - accuracy.value_error;
-        // The slope may err by four times as much [1/voxel]: the sums of |weights| are 2 and 1.
-        float slope_error = 4.0 * accuracy.value_error;
-        float safe = safe_step(b, sure > 0.0 ? sure : 0.0, slope - slope_error);
+        float sure = value - seen.value_error;
+        float safe = safe_step(b, sure > 0.0 ? sure : 0.0, slope - seen.slope_error);
         // A root before `latest` for sure, and only one, if the opposite parabola falls.
-        float above = value + accuracy.value_error;
+        float above = value + seen.value_error;
         // Twice `above` is near: the parabola may rise from there before it falls, not as high.
-        float flatter = slope + slope_error;
+        float flatter = slope + seen.slope_error;
         float fall = flatter * flatter - 2.0 * b.bend * above;
         float latest = s + 2.0 * above / (sqrt(fall > 0.0 ? fall : 0.0) - flatter);
         bool is_near = 2.0 * above < b.near && flatter < 0.0 && fall > 0.0 && latest <= search.s_out;
@@ -146,7 +146,7 @@ bool look(Block b, Accuracy accuracy, vec3 point, vec3 d, vec3 inverse, inout fl
         float bent = -0.5 * b.bend * newton * newton / slope;
         float error = bent < abs(newton) ? bent : abs(newton);
         search.s = next;
-        is_hit = is_newton && error <= tolerance || search.hi - search.lo <= tolerance;
+        is_hit = seen.is_final && is_newton && error <= tolerance || search.hi - search.lo <= tolerance;
         search.is_on = !is_hit;
     }
     return is_hit;

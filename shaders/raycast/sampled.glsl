@@ -71,7 +71,7 @@ bool look(Block b, Accuracy accuracy, vec3 point, vec3 d, vec3 inverse, inout fl
     int n = accuracy.per_coarse;
     int k = search.k;
     Cell c = cell_of(b.address, b.scale, search.p_in + search.s * d);
-    float f = tricubic_value_and_slope(c.address, c.a, d).x;
+    float f = look_at(b, c, d, 0.0, fetch_error(b.slope / b.scale), false).f.x;
     if (side == 0.0) side = f < 0.0 ? -1.0 : 1.0;
     bool is_hit = (f < 0.0) != (side < 0.0);
     if (is_hit) {

@@ -227,7 +227,12 @@ TEST_F(RefusedOption, StorageThatThereIsNot) {
         expect(2, isocast({"render", "field:torus@16", "-o", out("a.png"), option, value}), words);
     };
     refused("--storage", "float8", {"float32", "float16", "norm16"});
-    refused("--fetch", "cells", {"rows", "samples"});
+    refused("--fetch", "cells", {"rows", "samples", "linear", "auto"});
+    refused("--derivative-filter", "cubic", {"linear", "bspline", "interpolating"});
+    expect(3,
+           isocast({"render", "field:torus@16", "-o", out("a.png"), "--fetch", "linear", "--filter",
+                    "catmull-rom"}),
+           {"linear fetches", "catmull-rom", "rows"});
     for (const char* mebibytes : {"0", "-1", "nan"}) refused("--texture-memory", mebibytes, {});
     for (const char* rate : {"0", "-1", "65"}) refused("--rate", rate, {"64"});
     refused("--rate-factor", "0", {});

@@ -107,6 +107,39 @@ TEST(Render, ExplainNamesEveryPass) {
         EXPECT_NE(text.find(name), std::string::npos) << text;
 }
 
+TEST(Render, ExplainsWhyItFetchesAsItDoes) {
+    const TemporaryFolder folder;
+    const auto text = [&](std::vector<std::string> more) {
+        more.emplace_back("--explain");
+        return checked_output(isocast(render("field:torus@16", folder / "a.png", more)));
+    };
+    // Osmesa's is a software rasteriser.
+    EXPECT_NE(text({}).find("fetches rows: not measured"), std::string::npos);
+    EXPECT_NE(text({"--fetch", "auto"}).find("fetches rows: not measured"), std::string::npos);
+    EXPECT_NE(text({"--fetch", "linear"}).find("fetches linear: asked for"), std::string::npos);
+    const Json json = Json::parse(checked_output(
+        isocast(render("field:torus@16", folder / "a.png", {"--fetch", "samples", "--json"}))));
+    EXPECT_EQ(json["fetch"], "samples");
+}
+
+TEST(Render, DerivativeFilterChangesTheShadingAlone) {
+    const TemporaryFolder folder;
+    const auto draw = [&](const std::string& name, std::vector<std::string> more) {
+        more.insert(more.end(), {"--aov", "P"});
+        checked_output(isocast(render("mesh:torus", folder / name, more)));
+        return ExrFile(folder / name);
+    };
+    const ExrFile plain = draw("a.exr", {"--resolution", "24"});
+    const ExrFile smooth = draw("b.exr", {"--resolution", "24", "--derivative-filter", "bspline"});
+    for (const char* channel : {"P.X", "P.Y", "P.Z"})
+        EXPECT_EQ(smooth.channels.at(channel), plain.channels.at(channel));
+    EXPECT_NE(smooth.channels.at("R"), plain.channels.at("R"));
+    EXPECT_EQ(plain.file.header().findTypedAttribute<Imf::StringAttribute>("derivativeFilter"),
+              nullptr);
+    EXPECT_EQ(smooth.file.header().typedAttribute<Imf::StringAttribute>("derivativeFilter").value(),
+              "bspline");
+}
+
 TEST(Render, DrawsEveryKindOfInput) {
     const TemporaryFolder folder;
     checked_output(isocast({"sample", "mesh:torus", "-o", folder / "a.stl"}));

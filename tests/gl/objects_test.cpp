@@ -41,10 +41,10 @@ TEST_F(Objects, CountTheirBytes) {
 TEST_F(Objects, UploadedBoxIsWhereItWasPut) {
     Texture volume = Texture::volume(Format::R32f, 4, 5, 6, Filter::Nearest, "v");
     std::vector<float> all(4 * 5 * 6, -1.0f);
-    volume.upload_box(0, 0, 0, 4, 5, 6, all);
+    volume.upload_box(0, 0, 0, 4, 5, 6, std::as_bytes(std::span(all)));
     std::vector<float> box(2 * 3 * 2);
     std::iota(box.begin(), box.end(), 0.0f);
-    volume.upload_box(1, 2, 3, 2, 3, 2, box);
+    volume.upload_box(1, 2, 3, 2, 3, 2, std::as_bytes(std::span(box)));
     glPixelStorei(GL_PACK_ALIGNMENT, 4);
     glGetTextureImage(volume.id(), 0, GL_RED, GL_FLOAT, GLsizei(all.size() * 4), all.data());
     for (int z = 0; z < 6; ++z)

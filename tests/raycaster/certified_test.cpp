@@ -199,6 +199,21 @@ TEST_F(Certified, NothingIsMissedByTheOtherFilters) {
     }
 }
 
+TEST_F(Certified, NothingIsMissedByLinearFetches) {
+    // With fractions of 8 bits, as hardware filters have.
+    constexpr int n = 32;
+    for (const HardField& field : hard_fields(n, 12)) {
+        for (const Filter filter : {Filter::Linear, Filter::BSpline}) {
+            std::vector<Camera> cameras = oblique_cameras(n, 12, 2);
+            cameras.push_back(axis_cameras(n)[1]);
+            Subject subject = subject_of(field, filter);
+            subject.storage = {.fetch = Fetch::Linear, .fraction_bits = 8};
+            const Verdict v = judge(subject, cameras);
+            EXPECT_GT(v.certain, 500) << field.name;
+        }
+    }
+}
+
 TEST_F(Certified, EyesInsideTheObjectAndInsideActiveBlocks) {
     constexpr int n = 32;
     for (const HardField& field : hard_fields(n, 7)) {

@@ -18,7 +18,7 @@ struct Declared {
     PlacesOnGpu places;
     Camera camera;
     FrameTargets targets;
-    FrameContext frame{shaders, no_vertices, scene, field, places, camera, 1, 1, targets};
+    FrameContext frame{shaders, no_vertices, scene, field, field, places, camera, 1, 1, targets};
     std::vector<Pass> passes = declare_passes(frame);
 };
 

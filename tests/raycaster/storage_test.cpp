@@ -9,6 +9,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace isocast {
 namespace {
@@ -28,8 +32,9 @@ struct StoredPictures : testing::Test {
     std::shared_ptr<const FieldSource> gyroid = sampled(builtin_field("gyroid"), 64);
 
     Pictures draw(const StorageOptions& storage, const Quality& quality = {},
-                  Projection projection = Projection::Perspective) {
-        renderer.load({.field = gyroid, .storage = storage, .quality = quality});
+                  Projection projection = Projection::Perspective,
+                  Filter filter = Filter::Interpolating) {
+        renderer.load({.field = gyroid, .filter = filter, .storage = storage, .quality = quality});
         const Camera camera{.eye_world = {1.9, 1.3, 3.1},
                             .target_world = {0.1, -0.05, 0},
                             .projection = projection,
@@ -97,6 +102,129 @@ Difference difference(const Image& a, const Image& b, double voxel_size) {
     return out;
 }
 
+/// Greatest difference of hits that are nearer to each other than `far` [voxels], and the number of
+/// pixels where they are not, or only one hits.
+Difference split_difference(const Image& a, const Image& b, double voxel_size, double far) {
+    Difference out;
+    for (std::size_t i = 0; i < a.rgba.size(); i += 4) {
+        const auto at = [&](const Image& image) {
+            const auto first = image.rgba.begin() + std::ptrdiff_t(i);
+            return Image{1, 1, {first, first + 4}};
+        };
+        const Difference d = difference(at(a), at(b), voxel_size);
+        if (d.pixels != 0 || d.voxels > far)
+            ++out.pixels;
+        else
+            out.voxels = std::max(out.voxels, d.voxels);
+    }
+    return out;
+}
+
+/// Two searches of the same function end within 1e-5 voxel of its root each; coordinates of 64
+/// voxels round by 4e-6 a few times. Values err by 2^-20 of what a point reads, 8 voxels, which
+/// moves roots by the inverse of the slope along the ray, 10 for most.
+constexpr double same_root = 2e-4;
+
+TEST_F(StoredPictures, LinearFetchesHitWhereRowsDo) {
+    const double voxel = gyroid->space().voxel_size_world();
+    const auto expect_same = [&](const StorageOptions& rows, const Quality& quality,
+                                 Filter filter) {
+        const Pictures expected = draw(rows, quality, Projection::Perspective, filter);
+        // Full fractions, as llvmpipe has them, and 8 bits, as hardware does.
+        for (const int fraction_bits : {0, 8}) {
+            StorageOptions linear = rows;
+            linear.fetch = Fetch::Linear;
+            linear.fraction_bits = fraction_bits;
+            const Difference d =
+                split_difference(draw(linear, quality, Projection::Perspective, filter).hits,
+                                 expected.hits, voxel, same_root);
+            // Rays that graze a sheet closely may find either of two roots, of 7680.
+            EXPECT_LE(d.pixels, 2) << filter_name(filter) << ", format " << int(rows.format)
+                                   << ", bits " << fraction_bits;
+        }
+    };
+    for (const Filter filter : {Filter::Interpolating, Filter::BSpline, Filter::Linear})
+        for (const SampleFormat format :
+             {SampleFormat::Float32, SampleFormat::Float16, SampleFormat::Norm16})
+            expect_same({.format = format}, {}, filter);
+    expect_same({}, {.rate = 2, .rate_factor = 4}, Filter::Interpolating);
+}
+
+TEST_F(StoredPictures, LinearFetchesAloneErrByTheirFractions) {
+    const double voxel = gyroid->space().voxel_size_world();
+    const Pictures rows = draw({});
+    const auto off = [&](bool is_refined_exactly) {
+        return split_difference(draw({.fetch = Fetch::Linear,
+                                      .fraction_bits = 8,
+                                      .is_refined_exactly = is_refined_exactly})
+                                    .hits,
+                                rows.hits, voxel, 0.1)
+            .voxels;
+    };
+    // 2^-9 of a voxel's difference along each axis, over the slope along the ray.
+    EXPECT_GT(off(false), 0x1p-9);
+    EXPECT_LT(off(true), same_root);
+}
+
+TEST_F(StoredPictures, OfLinearFetchesHaveTheSameHitsHoweverFewBricksFit) {
+    const double voxel = gyroid->space().voxel_size_world();
+    StorageOptions small{.fetch = Fetch::Linear, .fraction_bits = 8};
+    StorageOptions large{.fetch = Fetch::Linear, .brick_size = 16};
+    for (StorageOptions storage : {small, large}) {
+        const Pictures all = draw(storage);
+        EXPECT_EQ(all.loaded, all.bricks);
+        const int slots = storage.brick_size == 8 ? all.bricks / 2 : 1;
+        storage.budget_bytes = slots * BrickLayout(storage).brick_bytes;
+        const Pictures few = draw(storage);
+        EXPECT_EQ(few.bricks, all.bricks);
+        EXPECT_LE(renderer.pool().resident_count(), slots);
+        EXPECT_GT(few.loaded, slots == 1 ? 2 * all.bricks : slots) << "bricks come and go";
+        // Places in another texture round otherwise: steps may be others, their ends are not.
+        EXPECT_LE(split_difference(few.hits, all.hits, voxel, same_root).pixels, 2);
+    }
+}
+
+TEST_F(StoredPictures, LinearFetchesTakeTheMemoryOfSamples) {
+    draw({.fetch = Fetch::Samples});
+    const std::int64_t samples = renderer.pool().byte_count();
+    draw({.fetch = Fetch::Linear});
+    // The texture is a box of bricks: a layer more at most, one of 46.
+    EXPECT_GE(renderer.pool().byte_count(), samples);
+    EXPECT_LT(renderer.pool().byte_count(), 1.05 * double(samples));
+}
+
+TEST_F(StoredPictures, LinearFetchesRefuseWeightsOfBothSigns) {
+    try {
+        draw({.fetch = Fetch::Linear}, {}, Projection::Perspective, Filter::CatmullRom);
+        FAIL();
+    } catch (const InputError& error) {
+        EXPECT_NE(std::string(error.what()).find("catmull-rom"), std::string::npos);
+        EXPECT_NE(std::string(error.what()).find("linear"), std::string::npos);
+    }
+}
+
+TEST(AtlasSlots, HoldAllAndHardlyMoreInAnyTexture) {
+    for (const int samples : {11, 19, 35}) {
+        for (const int extent : {64, 2048, 16384}) {
+            // 11 bits of x and y, 9 of z.
+            const Index3 most =
+                Index3(std::min(extent, 2048), std::min(extent, 2048), std::min(extent, 512)) /
+                samples;
+            for (const int count : {1, 2, 7, 46, 47, 1000, 34567, 2000000}) {
+                const Index3 slots = atlas_slots(count, samples, extent);
+                EXPECT_TRUE((slots.array() >= 1).all());
+                EXPECT_TRUE((slots.array() <= most.array()).all()) << slots.transpose();
+                if (count <= most.prod() / 2) {
+                    EXPECT_GE(slots.prod(), count);
+                    EXPECT_LE(slots.prod() - count, std::max(1, slots.x() * slots.y()))
+                        << slots.transpose();
+                }
+            }
+            EXPECT_EQ(atlas_slots(std::numeric_limits<int>::max() / 2, samples, extent), most);
+        }
+    }
+}
+
 TEST_F(StoredPictures, SampledRaysFindWhatCertifiedOnesDo) {
     const Pictures certified = draw({});
     // The gyroid's sheets are eight voxels apart and more: two samples a voxel pass between the
@@ -149,10 +277,15 @@ TEST_F(StoredPictures, SampledRaysNeedAllBricks) {
 }
 
 TEST_F(StoredPictures, ErrOnlyAsMuchAsTheirStorage) {
-    const Pictures exact = draw({});
     const double voxel = gyroid->space().voxel_size_world();
-    for (const SampleFormat format : {SampleFormat::Float16, SampleFormat::Norm16}) {
-        const Pictures stored = draw({.format = format});
+    for (const auto& [filter, format] : {std::pair{Filter::Interpolating, SampleFormat::Float16},
+                                         std::pair{Filter::Interpolating, SampleFormat::Norm16},
+                                         // Whose missing bound of the bend once overflowed, times
+                                         // the large numbers that float16 stores: rays that went
+                                         // away from the surface left their blocks at once.
+                                         std::pair{Filter::Linear, SampleFormat::Float16}}) {
+        const Pictures exact = draw({}, {}, Projection::Perspective, filter);
+        const Pictures stored = draw({.format = format}, {}, Projection::Perspective, filter);
         const double error = renderer.pool().storage_error() / voxel;
         EXPECT_GT(error, 0);
         int far = 0;

@@ -161,6 +161,12 @@ void report_json(const RenderCommand& command, const gl::DriverInfo& driver,
                               {"bytes", pass.texture_bytes},
                               {"asked_by", pass.asked_by}});
     const BrickPool& pool = renderer.pool();
+    nlohmann::ordered_json coarse; // null unless bricks were coarsened
+    if (const auto& bricks = renderer.coarse_bricks())
+        coarse = {{"count", bricks->coarse_count()},
+                  {"of", bricks->block_count()},
+                  {"levels", bricks->counts},                        // bricks of 8, 4, 2, 1 cells
+                  {"greatest_residual", bricks->greatest_residual}}; // world units
     print_json({{"input", command.input},
                 {"output", command.output.string()},
                 {"gl",
@@ -176,6 +182,7 @@ void report_json(const RenderCommand& command, const gl::DriverInfo& driver,
                  {{"resident", pool.resident_count()},
                   {"active", pool.brick_count()},
                   {"loaded", pool.loaded_count()}}},
+                {"coarse_bricks", coarse},
                 {"storage_error", pool.storage_error()}, // of a sample, world units
                 {"seconds",
                  {{"field", seconds.field},
@@ -187,7 +194,8 @@ void report_json(const RenderCommand& command, const gl::DriverInfo& driver,
                 {"warnings", warnings}});
 }
 
-void explain(const FrameReport& frame, const BrickPool& pool, double voxel_size_world) {
+void explain(const FrameReport& frame, const Renderer& renderer, double voxel_size_world) {
+    const BrickPool& pool = renderer.pool();
     constexpr double mib = 1 << 20;
     fmt::print("{:<12} {:>10} {:>10}  {}\n", "pass", "ms", "MiB", "asked by");
     for (const PassReport& pass : frame.passes)
@@ -202,6 +210,12 @@ void explain(const FrameReport& frame, const BrickPool& pool, double voxel_size_
         "{} of {} bricks on the GPU, {} loaded; stored samples err by {:.2g} voxel at most\n",
         pool.resident_count(), pool.brick_count(), pool.loaded_count(),
         pool.storage_error() / voxel_size_world);
+    if (const auto& coarse = renderer.coarse_bricks())
+        fmt::print(
+            "{} bricks of 8^3 cells, {} of 4^3, {} of 2^3, {} of 1: the field errs by {:.2g} "
+            "voxel at most near the surface\n",
+            coarse->counts[0], coarse->counts[1], coarse->counts[2], coarse->counts[3],
+            coarse->greatest_residual / voxel_size_world);
 }
 
 void report(const RenderCommand& command, const gl::DriverInfo& driver, const Renderer& renderer,
@@ -271,6 +285,13 @@ void run(const RenderCommand& command, const std::vector<std::filesystem::path>&
 
     renderer.load(scene, progress);
     seconds.load = step.lap();
+    if (const auto& coarse = renderer.coarse_bricks()) {
+        warn(fmt::format(
+            "over the texture budget: {} of {} bricks were coarsened; the surface moves "
+            "by up to {:.2g} voxel where the field's slope is one",
+            coarse->coarse_count(), coarse->block_count(),
+            coarse->greatest_residual / scene.field->space().voxel_size_world()));
+    }
     if (!renderer.has_surface()) {
         const ValueRange range = scene.field->value_range(scene.field->extent());
         warn(fmt::format("the field never crosses the iso value {}: its values lie in {} ... {}",
@@ -293,7 +314,7 @@ void run(const RenderCommand& command, const std::vector<std::filesystem::path>&
         report_json(command, context->driver(), renderer, frame, warnings, seconds);
         return;
     }
-    if (command.explain) explain(frame, renderer.pool(), scene.field->space().voxel_size_world());
+    if (command.explain) explain(frame, renderer, scene.field->space().voxel_size_world());
     report(command, context->driver(), renderer, seconds);
 }
 
@@ -343,11 +364,14 @@ Verb render_verb(CLI::App& program, std::vector<std::filesystem::path> shader_fo
     add_parsed(*app, "--fetch", command->storage.fetch, named<fetch_from_name>,
                "rows (default: four samples a texel, fastest) or samples (a quarter of the memory)")
         ->type_name("NAME");
-    add_parsed(
-        *app, "--texture-memory", command->storage.budget_bytes, mebibytes_from,
-        "Most memory for samples on the GPU (default 1024); beyond it they are loaded as rays "
-        "ask for them")
+    add_parsed(*app, "--texture-memory", command->storage.budget_bytes, mebibytes_from,
+               "Most memory for samples on the GPU (default 1024)")
         ->type_name("MIB");
+    add_parsed(
+        *app, "--over-budget", command->storage.over_budget, named<over_budget_from_name>,
+        "Beyond that memory: stream (default: samples are loaded as rays ask for them; exact, "
+        "slower) or coarsen (half the resolution, or less, where that shows least)")
+        ->type_name("NAME");
     add_parsed(*app, "--resolution", command->resolution, integer_from,
                "Meshes: voxels along the longest side (default 256)")
         ->type_name("N");

@@ -256,7 +256,7 @@ int main(int argc, char** argv) {
         ->delimiter(',');
     app.add_option("--peers", peers, "openvdb, embree; vtk, teem: minutes")->delimiter(',');
     app.add_option("--only", only,
-                   "A section: frames, first, storage, guarantee, filters, accuracy, rate");
+                   "A section: frames, first, storage, guarantee, filters, coarse, accuracy, rate");
     app.add_option("--backend", backend, "auto, egl, osmesa");
     app.add_option("--threads", threads,
                    "Of the CPU parts and the peers; LP_NUM_THREADS is the GL's");
@@ -303,6 +303,11 @@ int main(int argc, char** argv) {
         section("storage", "Storage", storage_cases(field));
         section("guarantee", "Guarantee", guarantee_cases(field));
         section("filters", "Filters", filter_cases(field));
+    }
+    if (mesh && asked("coarse")) {
+        const auto field = field_of(*mesh, resolution);
+        run_coarse(renderer, field, camera_of(scene_of_the_table(*field, resolution)), size,
+                   repeats);
     }
     if (mesh && asked("first")) run_first_frame(argv[0], *mesh, resolution, size, repeats, backend);
     if (asked("accuracy")) run_accuracy(renderer);

@@ -29,12 +29,23 @@ enum class SampleFormat {
 Fetch fetch_from_name(std::string_view name);
 SampleFormat sample_format_from_name(std::string_view name);
 
+/// What happens to bricks beyond the budget.
+enum class OverBudget {
+    Stream,  // they are loaded when rays ask for them: the same picture, slower
+    Coarsen, // those with the least detail are stored at half the resolution, or less
+};
+
+/// "stream" or "coarsen".
+/// throws  InputError that lists these
+OverBudget over_budget_from_name(std::string_view name);
+
 struct StorageOptions {
     Fetch fetch = Fetch::Rows;
     SampleFormat format = SampleFormat::Float32;
     int brick_size = 8; // cells along an edge: 8, 16 or 32
-    /// Bytes that the samples may take; beyond them bricks are loaded when rays ask for them.
+    /// Bytes that the samples may take.
     std::int64_t budget_bytes = std::int64_t{1} << 30;
+    OverBudget over_budget = OverBudget::Stream;
 };
 
 gl::Format texel_format(const StorageOptions& options);

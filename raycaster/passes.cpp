@@ -219,7 +219,8 @@ TilesOnGpu::TilesOnGpu(const TileLists& tiles)
 
 FieldOnGpu::FieldOnGpu(const FieldSource& samples, const FieldSource& control, Kernel kernel,
                        const BlockRanges& ranges, const std::vector<ActivePage>& active, float iso,
-                       const StorageOptions& storage, const Progress& progress) {
+                       const StorageOptions& storage, const Progress& progress,
+                       const CoarseBricks* coarse) {
     const BlockTable table = make_block_table(samples, ranges, active, iso);
     local_origin_index_ = page_size * (table.first_page + table.pages / 2);
     table_lo_ = table.lo_index() - local_origin_index_;
@@ -227,7 +228,9 @@ FieldOnGpu::FieldOnGpu(const FieldSource& samples, const FieldSource& control, K
     block_count_ = table.block_count;
     table_ = gl::Buffer(std::as_bytes(std::span(table.words)), "block table");
     table_texture_ = gl::BufferTexture(table_, gl::Format::R32ui, "block table");
-    pool_ = BrickPool(control, kernel, ranges, active, table, iso, storage, progress);
+    pool_ = coarse != nullptr
+                ? BrickPool(*coarse, ranges, active, table, iso, storage)
+                : BrickPool(control, kernel, ranges, active, table, iso, storage, progress);
 }
 
 void FieldOnGpu::bind(const gl::Program& program) const {

@@ -29,8 +29,13 @@ void Renderer::load(Scene scene, const Progress& progress) {
     active_ = active_pages(ranges_, iso);
     active_ =
         active_pages(ranges_, iso, storage_error(ranges_, active_, iso, scene.storage.format));
+    coarse_.reset();
+    if (scene.storage.over_budget == OverBudget::Coarsen)
+        coarse_ = coarsen(control_, kernel_of(scene.filter), ranges_, active_, iso, scene.storage,
+                          progress);
+    if (coarse_) control_ = coarse_->field;
     field_ = FieldOnGpu(*scene.field, *control_, kernel_of(scene.filter), ranges_, active_, iso,
-                        scene.storage, progress);
+                        scene.storage, progress, coarse_ ? &*coarse_ : nullptr);
     // Refining a hit reads the block before as well, which may be gone by then.
     if (scene.quality.rate && !field_.pool().holds_all())
         throw ResourceError("sampling at a rate needs all bricks in the texture budget");

@@ -43,6 +43,8 @@ public:
     /// False if the field never crosses the iso value.
     bool has_surface() const { return !surface_box_.is_empty(); }
     const BrickPool& pool() const { return field_.pool(); }
+    /// What was coarsened to fit the budget, if anything was.
+    const std::optional<CoarseBricks>& coarse_bricks() const { return coarse_; }
 
     /// Runs the passes that `wanted` needs.
     /// throws  InputError for a size below 1 or above what the GL offers
@@ -59,6 +61,7 @@ private:
     std::shared_ptr<const FieldSource> control_;
     BlockRanges ranges_;
     std::vector<ActivePage> active_;
+    std::optional<CoarseBricks> coarse_;
     FieldOnGpu field_;
     IndexBox surface_box_;
     FrameTargets targets_;

@@ -239,6 +239,11 @@ void run(const RenderCommand& command, const std::vector<std::filesystem::path>&
                                      command.output.string()));
     if (!input.is_mesh() && command.resolution)
         throw UsageError(fmt::format("--resolution: {} is a field already", command.input));
+    if (command.storage.over_budget == OverBudget::Coarsen &&
+        kernel_of(command.filter) != Kernel::BSpline)
+        throw UsageError(fmt::format("--over-budget coarsen: only cubic B-splines can be coarsened "
+                                     "(--filter interpolating, bspline, exact), not {}",
+                                     filter_name(command.filter)));
     const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
                                       command.threads);
     const Progress progress = console.progress();

@@ -193,21 +193,30 @@ struct Budget {
     }
 };
 
-/// Halves bricks, the least residual first, until they fit.
+std::int64_t texels_of_brick(Fetch fetch, int level) {
+    const std::int64_t n = samples_across(level);
+    return n * n * (fetch == Fetch::Rows ? block_size >> level : n);
+}
+
+/// Halves bricks, the least residual for the memory that it frees first, until they fit.
 void choose_levels(std::vector<Candidate>& candidates, const Budget& budget) {
     struct Halving {
-        float residual;
-        int level; // after it
+        float cost; // residual a texel
+        int level;  // after it; costs grow with it, since each frees less than the one before
         std::size_t candidate;
     };
     std::vector<Halving> halvings;
     for (std::size_t i = 0; i < candidates.size(); ++i) {
         candidates[i].level = 0;
-        for (int level = 1; level <= coarsest_level; ++level)
-            halvings.push_back({candidates[i].residual[static_cast<std::size_t>(level)], level, i});
+        for (int level = 1; level <= coarsest_level; ++level) {
+            const auto freed = static_cast<float>(texels_of_brick(budget.fetch, level - 1) -
+                                                  texels_of_brick(budget.fetch, level));
+            halvings.push_back(
+                {candidates[i].residual[static_cast<std::size_t>(level)] / freed, level, i});
+        }
     }
     std::ranges::sort(halvings, {}, [](const Halving& halving) {
-        return std::tuple(halving.residual, halving.level, halving.candidate);
+        return std::tuple(halving.cost, halving.level, halving.candidate);
     });
     LevelCounts counts{static_cast<int>(candidates.size())};
     auto next = halvings.begin();

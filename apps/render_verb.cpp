@@ -176,6 +176,12 @@ void report_json(const RenderCommand& command, const gl::DriverInfo& driver,
                               {"bytes", pass.texture_bytes},
                               {"asked_by", pass.asked_by}});
     const BrickPool& pool = renderer.pool();
+    nlohmann::ordered_json coarse; // null unless bricks were coarsened
+    if (const auto& bricks = renderer.coarse_bricks())
+        coarse = {{"count", bricks->coarse_count()},
+                  {"of", bricks->block_count()},
+                  {"levels", bricks->counts},                        // bricks of 8, 4, 2, 1 cells
+                  {"greatest_residual", bricks->greatest_residual}}; // world units
     print_json({{"input", command.input},
                 {"output", command.output.string()},
                 {"gl",
@@ -192,6 +198,7 @@ void report_json(const RenderCommand& command, const gl::DriverInfo& driver,
                   {"active", pool.brick_count()},
                   {"loaded", pool.loaded_count()}}},
                 {"fetch", fetch_name(fetch.fetch)},
+                {"coarse_bricks", coarse},
                 {"storage_error", pool.storage_error()}, // of a sample, world units
                 {"seconds",
                  {{"field", seconds.field},
@@ -203,7 +210,8 @@ void report_json(const RenderCommand& command, const gl::DriverInfo& driver,
                 {"warnings", warnings}});
 }
 
-void explain(const FrameReport& frame, const BrickPool& pool, double voxel_size_world) {
+void explain(const FrameReport& frame, const Renderer& renderer, double voxel_size_world) {
+    const BrickPool& pool = renderer.pool();
     constexpr double mib = 1 << 20;
     fmt::print("{:<12} {:>10} {:>10}  {}\n", "pass", "ms", "MiB", "asked by");
     for (const PassReport& pass : frame.passes)
@@ -218,6 +226,12 @@ void explain(const FrameReport& frame, const BrickPool& pool, double voxel_size_
         "{} of {} bricks on the GPU, {} loaded; stored samples err by {:.2g} voxel at most\n",
         pool.resident_count(), pool.brick_count(), pool.loaded_count(),
         pool.storage_error() / voxel_size_world);
+    if (const auto& coarse = renderer.coarse_bricks())
+        fmt::print(
+            "{} bricks of 8^3 cells, {} of 4^3, {} of 2^3, {} of 1: the field errs by {:.2g} "
+            "voxel at most near the surface\n",
+            coarse->counts[0], coarse->counts[1], coarse->counts[2], coarse->counts[3],
+            coarse->greatest_residual / voxel_size_world);
 }
 
 void report(const RenderCommand& command, const gl::DriverInfo& driver, const Renderer& renderer,
@@ -241,6 +255,11 @@ void run(const RenderCommand& command, const std::vector<std::filesystem::path>&
                                      command.output.string()));
     if (!input.is_mesh() && command.resolution)
         throw UsageError(fmt::format("--resolution: {} is a field already", command.input));
+    if (command.storage.over_budget == OverBudget::Coarsen &&
+        kernel_of(command.filter) != Kernel::BSpline)
+        throw UsageError(fmt::format("--over-budget coarsen: only cubic B-splines can be coarsened "
+                                     "(--filter interpolating, bspline, exact), not {}",
+                                     filter_name(command.filter)));
     const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
                                       command.threads);
     const Progress progress = console.progress();
@@ -294,6 +313,13 @@ void run(const RenderCommand& command, const std::vector<std::filesystem::path>&
     scene.storage.fetch = fetch.fetch;
     renderer.load(scene, progress);
     seconds.load = step.lap();
+    if (const auto& coarse = renderer.coarse_bricks()) {
+        warn(fmt::format(
+            "over the texture budget: {} of {} bricks were coarsened; the surface moves "
+            "by up to {:.2g} voxel where the field's slope is one",
+            coarse->coarse_count(), coarse->block_count(),
+            coarse->greatest_residual / scene.field->space().voxel_size_world()));
+    }
     if (!renderer.has_surface()) {
         const ValueRange range = scene.field->value_range(scene.field->extent());
         warn(fmt::format("the field never crosses the iso value {}: its values lie in {} ... {}",
@@ -317,7 +343,7 @@ void run(const RenderCommand& command, const std::vector<std::filesystem::path>&
         return;
     }
     if (command.explain) {
-        explain(frame, renderer.pool(), scene.field->space().voxel_size_world());
+        explain(frame, renderer, scene.field->space().voxel_size_world());
         fmt::print("fetches {}: {}\n", fetch_name(fetch.fetch), fetch.reason);
     }
     report(command, context->driver(), renderer, seconds);
@@ -385,11 +411,14 @@ Verb render_verb(CLI::App& program, std::vector<std::filesystem::path> shader_fo
         "Cells along the edge of a brick: 8 (default), 16, 32; none: all of the volume in one "
         "array, for comparison")
         ->type_name("N");
-    add_parsed(
-        *app, "--texture-memory", command->storage.budget_bytes, mebibytes_from,
-        "Most memory for samples on the GPU (default 1024); beyond it they are loaded as rays "
-        "ask for them")
+    add_parsed(*app, "--texture-memory", command->storage.budget_bytes, mebibytes_from,
+               "Most memory for samples on the GPU (default 1024)")
         ->type_name("MIB");
+    add_parsed(
+        *app, "--over-budget", command->storage.over_budget, named<over_budget_from_name>,
+        "Beyond that memory: stream (default: samples are loaded as rays ask for them; exact, "
+        "slower) or coarsen (half the resolution, or less, where that shows least)")
+        ->type_name("NAME");
     add_field_memory(*app, command->memory_bytes);
     add_parsed(*app, "--resolution", command->resolution, integer_from,
                "Meshes: voxels along the longest side (default 256)")

@@ -260,10 +260,11 @@ int main(int argc, char** argv) {
     app.add_option("--sizes", sizes, "Voxels along the longest side, and nine, @ pixels")
         ->delimiter(',');
     app.add_option("--peers", peers, "openvdb, embree; vtk, teem: minutes")->delimiter(',');
-    app.add_option("--only", only,
-                   "A section: frames, first, storage, guarantee, filters, accuracy, fetches, "
-                   "rate, iso; of the "
-                   "thesis: table-6.1, table-6.2, silhouettes");
+    app.add_option(
+        "--only", only,
+        "A section: frames, first, storage, guarantee, filters, coarse, accuracy, fetches, "
+        "rate, iso; of the "
+        "thesis: table-6.1, table-6.2, silhouettes");
     app.add_option("--figures", figure_folder, "Folder for figures 6.3 and 6.8 of the thesis");
     app.add_option("--backend", backend, "auto, egl, osmesa");
     app.add_option("--threads", threads,
@@ -312,6 +313,11 @@ int main(int argc, char** argv) {
         section("storage", "Storage", storage_cases(field));
         section("guarantee", "Guarantee", guarantee_cases(field));
         section("filters", "Filters", filter_cases(field));
+    }
+    if (mesh && asked("coarse")) {
+        const auto field = field_of(*mesh, resolution);
+        run_coarse(renderer, field, camera_of(scene_of_the_table(*field, resolution)), size,
+                   repeats);
     }
     if (mesh && asked("first")) run_first_frame(argv[0], *mesh, resolution, size, repeats, backend);
     if (mesh && (asked("table-6.1") || asked("table-6.2") || !figure_folder.empty())) {

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <tuple>
 #include <utility>
 
 namespace isocast {
@@ -23,11 +22,6 @@ IndexBox with_neighbours(const IndexBox& box) {
     return dilated(box, 1, 1);
 }
 
-/// Blocks x_lo <= x < x_hi of a row of blocks.
-struct Run {
-    int z, y, x_lo, x_hi;
-};
-
 } // namespace
 
 QuasiInterpolant::QuasiInterpolant(std::shared_ptr<const FieldSource> samples)
@@ -37,30 +31,8 @@ std::vector<IndexBox> QuasiInterpolant::active_boxes() const {
     std::vector<IndexBox> boxes = samples_->active_boxes();
     std::erase_if(boxes, [](const IndexBox& box) { return box.is_empty(); });
     if (boxes.size() == 1) return {with_neighbours(boxes[0])};
-    // Neighbouring boxes would overlap once grown; runs of whole blocks can be united.
-    std::vector<Run> runs;
-    for (const IndexBox& box : boxes) {
-        const IndexBox blocks = blocks_over(with_neighbours(box));
-        for (int z = blocks.lo.z(); z < blocks.hi.z(); ++z) {
-            for (int y = blocks.lo.y(); y < blocks.hi.y(); ++y) {
-                runs.push_back({z, y, blocks.lo.x(), blocks.hi.x()});
-            }
-        }
-    }
-    std::ranges::sort(runs, {}, [](const Run& run) { return std::tuple(run.z, run.y, run.x_lo); });
-    boxes.clear();
-    for (auto run = runs.begin(); run != runs.end();) {
-        int x_hi = run->x_hi;
-        auto next = run + 1;
-        for (; next != runs.end() && next->z == run->z && next->y == run->y && next->x_lo <= x_hi;
-             ++next) {
-            x_hi = std::max(x_hi, next->x_hi);
-        }
-        boxes.push_back({block_size * Index3(run->x_lo, run->y, run->z),
-                         block_size * Index3(x_hi, run->y + 1, run->z + 1)});
-        run = next;
-    }
-    return boxes;
+    for (IndexBox& box : boxes) box = with_neighbours(box);
+    return runs_of_blocks(boxes); // as they are they would overlap
 }
 
 int QuasiInterpolant::finest_level(const IndexBox& box) const {

@@ -105,6 +105,12 @@ SampleFormat sample_format_from_name(std::string_view name) {
     throw InputError(fmt::format("'{}' is not one of float32, float16, norm16", name));
 }
 
+OverBudget over_budget_from_name(std::string_view name) {
+    if (name == "stream") return OverBudget::Stream;
+    if (name == "coarsen") return OverBudget::Coarsen;
+    throw InputError(fmt::format("'{}' is not one of stream, coarsen", name));
+}
+
 gl::Format texel_format(const StorageOptions& options) {
     const bool is_row = options.fetch == Fetch::Rows;
     switch (options.format) {

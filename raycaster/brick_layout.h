@@ -40,12 +40,23 @@ inline constexpr int no_bricks = 0;
 /// throws  InputError that lists these
 int brick_size_from_name(std::string_view name);
 
+/// What happens to bricks beyond the budget.
+enum class OverBudget {
+    Stream,  // they are loaded when rays ask for them: the same picture, slower
+    Coarsen, // those with the least detail are stored at half the resolution, or less
+};
+
+/// "stream" or "coarsen".
+/// throws  InputError that lists these
+OverBudget over_budget_from_name(std::string_view name);
+
 struct StorageOptions {
     Fetch fetch = Fetch::Rows;
     SampleFormat format = SampleFormat::Float32;
     int brick_size = 8; // cells along an edge: 8, 16 or 32; no_bricks
-    /// Bytes that the samples may take; beyond them bricks are loaded when rays ask for them.
+    /// Bytes that the samples may take.
     std::int64_t budget_bytes = std::int64_t{1} << 30;
+    OverBudget over_budget = OverBudget::Stream;
     /// For studies of Fetch::Linear: bits to which shaders round the filter's fractions (0: those
     /// of the GL), and whether exact sums place hits and make gradients.
     int fraction_bits = 0;

@@ -4,6 +4,7 @@
 
 #include "filtering/bounds.h"
 #include "filtering/certificate.h"
+#include "filtering/subdivision.h"
 #include "volume/errors.h"
 
 #include <fmt/format.h>
@@ -41,6 +42,16 @@ std::uint32_t packed_place(const Index3& block) {
            static_cast<std::uint32_t>(block.z()) << 22;
 }
 
+/// throws  ResourceError if the table is larger than packed_place can say
+void check_extent(const BlockTable& table) {
+    const Index3 extent = page_blocks * table.pages;
+    if (extent.x() > 2048 || extent.y() > 2048 || extent.z() > 1024) {
+        throw ResourceError(
+            fmt::format("the surface spans {} x {} x {} voxels, more than 16384 x 16384 x 8192",
+                        block_size * extent.x(), block_size * extent.y(), block_size * extent.z()));
+    }
+}
+
 /// Greatest |value - iso| of the active pages' samples.
 float greatest_value_of(const BlockRanges& ranges, const std::vector<ActivePage>& active,
                         float iso) {
@@ -72,12 +83,7 @@ BrickPool::BrickPool(const FieldSource& control, Kernel kernel, const BlockRange
       kernel_(kernel), control_(&control), ranges_(&ranges), iso_(iso),
       greatest_value_(greatest_value_of(ranges, active, iso)), active_(active) {
     codec_ = Codec(options.format, greatest_value_);
-    const Index3 extent = page_blocks * table.pages;
-    if (extent.x() > 2048 || extent.y() > 2048 || extent.z() > 1024) {
-        throw ResourceError(
-            fmt::format("the surface spans {} x {} x {} voxels, more than 16384 x 16384 x 8192",
-                        block_size * extent.x(), block_size * extent.y(), block_size * extent.z()));
-    }
+    check_extent(table);
     for (std::size_t i = 0; i < active.size(); ++i) {
         first_bricks_.push_back(static_cast<std::int32_t>(bricks_.size()));
         first_blocks_.push_back(static_cast<std::int32_t>(block_records_.size()));
@@ -210,6 +216,77 @@ void BrickPool::store_others(const BlockTable& table, std::byte* memory) const {
             }
         }
     });
+}
+
+BrickPool::BrickPool(const CoarseBricks& coarse, const BlockRanges& ranges,
+                     const std::vector<ActivePage>& active, const BlockTable& table, float iso,
+                     const StorageOptions& options)
+    : options_(options), layout_(options), codec_(options.format, coarse.greatest_value),
+      control_(coarse.field.get()), ranges_(&ranges), iso_(iso),
+      greatest_value_(coarse.greatest_value), active_(active) {
+    check_extent(table);
+    const CoarseLayout layout(options.fetch, coarse.counts);
+    layout_.row_stride = layout.row_stride;
+    layout_.plane_stride = layout.plane_stride;
+    struct Block {
+        Index3 index;
+        int level;
+    };
+    std::vector<Block> blocks;
+    std::vector<BlockRecord> records;
+    LevelCounts counts{};
+    for (const ActivePage& page : active) {
+        const Index3& coordinate = ranges.pages[page.page].coordinate;
+        for (std::uint64_t rest = page.blocks; rest != 0; rest &= rest - 1) {
+            const Index3 block = page_blocks * coordinate + block_in_page(std::countr_zero(rest));
+            const int level = coarse.field->levels().at(block);
+            blocks.push_back({block, level});
+            BlockRecord record{};
+            record.scale = std::exp2(-static_cast<float>(level));
+            record.address = static_cast<std::int32_t>(
+                layout.address(level, counts[static_cast<std::size_t>(level)]++));
+            record.place = packed_place(block - page_blocks * table.first_page);
+            records.push_back(record);
+        }
+    }
+    bricks_.resize(blocks.size());
+    slot_count_ = resident_count_ = brick_count();
+    loaded_count_ = brick_count();
+    const int texel_bytes = gl::byte_count(texel_format(options));
+    const float stored_from_world = 1 / codec_.world_from_stored();
+    samples_ = gl::Buffer::writable(layout.texels * texel_bytes, "brick samples");
+    samples_.write(0, samples_.byte_count(), [&](std::span<std::byte> memory) {
+        tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
+            const auto& [block, level] = blocks[i];
+            std::vector<double> samples =
+                coarse.field->samples_at(samples_of_block(block, level), level);
+            std::byte* out = memory.data() + std::int64_t{records[i].address} * texel_bytes;
+            if (options.format == SampleFormat::Float32) {
+                std::vector<float> values;
+                for (double& sample : samples) {
+                    values.push_back(static_cast<float>(sample) - iso);
+                    sample = values.back();
+                }
+                layout.store(values.data(), level, out);
+            } else {
+                std::vector<std::uint16_t> codes;
+                for (double& sample : samples) {
+                    codes.push_back(codec_.encode(static_cast<float>(sample) - iso));
+                    sample = codec_.decode(codes.back());
+                }
+                layout.store(codes.data(), level, out);
+            }
+            const Certificate bounds = certify_coarse_block(std::move(samples), block, level);
+            records[i].slope = bounds.slope * stored_from_world;
+            records[i].bend = bounds.bend * stored_from_world;
+            records[i].near = bounds.near * stored_from_world;
+            records[i].parts_lo = static_cast<std::uint32_t>(bounds.parts);
+            records[i].parts_hi = static_cast<std::uint32_t>(bounds.parts >> 32);
+        });
+    });
+    records_ = gl::Buffer(std::as_bytes(std::span(records)), "block records");
+    samples_texture_ = gl::BufferTexture(samples_, texel_format(options), "brick samples");
+    records_texture_ = gl::BufferTexture(records_, gl::Format::Rgba32ui, "block records");
 }
 
 /// Cuts bricks out of the field to place(i-th of them), and makes their blocks' records.

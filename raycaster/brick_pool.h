@@ -7,6 +7,7 @@
 #include "gl/program.h"
 #include "raycaster/block_table.h"
 #include "raycaster/brick_layout.h"
+#include "raycaster/coarse_bricks.h"
 #include "volume/progress.h"
 
 namespace isocast {
@@ -30,6 +31,10 @@ public:
     BrickPool(const FieldSource& control, Kernel kernel, const BlockRanges& ranges,
               const std::vector<ActivePage>& active, const BlockTable& table, float iso,
               const StorageOptions& options, const Progress& progress = {});
+    /// Loads all bricks, each at its level.
+    BrickPool(const CoarseBricks& coarse, const BlockRanges& ranges,
+              const std::vector<ActivePage>& active, const BlockTable& table, float iso,
+              const StorageOptions& options);
 
     int brick_count() const { return static_cast<int>(bricks_.size()); }
     int resident_count() const { return resident_count_; }

@@ -29,7 +29,11 @@ std::vector<FetchTime> time_fetches(Renderer& renderer, Filter filter,
     const std::shared_ptr<const FieldSource> torus = sampled(builtin_field("torus"), 64);
     std::vector<FetchTime> times;
     for (const Fetch fetch : {Fetch::Rows, Fetch::Samples, Fetch::Linear}) {
-        if (fetch == Fetch::Linear && kernel_of(filter) == Kernel::CatmullRom) continue;
+        // Renderer::load refuses these.
+        if (fetch == Fetch::Linear &&
+            (kernel_of(filter) == Kernel::CatmullRom || storage.brick_size == no_bricks ||
+             storage.over_budget == OverBudget::Coarsen))
+            continue;
         renderer.load({.field = torus,
                        .filter = filter,
                        .storage = {.fetch = fetch,

@@ -331,8 +331,8 @@ PlacesOnGpu::PlacesOnGpu(Traversal traversal, const BlockRanges& ranges,
 
 FieldOnGpu::FieldOnGpu(const FieldSource& samples, const FieldSource& control, Kernel kernel,
                        const BlockRanges& ranges, const std::vector<ActivePage>& active, float iso,
-                       const StorageOptions& storage, const Progress& progress,
-                       Traversal traversal) {
+                       const StorageOptions& storage, const Progress& progress, Traversal traversal,
+                       const CoarseBricks* coarse) {
     const BlockTable table = make_block_table(samples, ranges, active, iso);
     local_origin_index_ = page_size * (table.first_page + table.pages / 2);
     table_lo_ = table.lo_index() - local_origin_index_;
@@ -345,7 +345,9 @@ FieldOnGpu::FieldOnGpu(const FieldSource& samples, const FieldSource& control, K
         faces_ = gl::Buffer(std::as_bytes(std::span(faces)), "bounding faces");
         faces_texture_ = gl::BufferTexture(faces_, gl::Format::Rg32i, "bounding faces");
     }
-    pool_ = BrickPool(control, kernel, ranges, active, table, iso, storage, progress);
+    pool_ = coarse != nullptr
+                ? BrickPool(*coarse, ranges, active, table, iso, storage)
+                : BrickPool(control, kernel, ranges, active, table, iso, storage, progress);
 }
 
 void FieldOnGpu::bind(const gl::Program& program) const {

@@ -16,11 +16,12 @@ namespace isocast {
 class FieldOnGpu {
 public:
     FieldOnGpu() = default;
+    /// coarse  what coarsen gave, if it did
     /// throws  ResourceError if it does not fit
     FieldOnGpu(const FieldSource& samples, const FieldSource& control, Kernel kernel,
                const BlockRanges& ranges, const std::vector<ActivePage>& active, float iso,
                const StorageOptions& storage, const Progress& progress = {},
-               Traversal traversal = Traversal::TileLists);
+               Traversal traversal = Traversal::TileLists, const CoarseBricks* coarse = nullptr);
 
     /// Local coordinates are index coordinates minus this, a corner of a page near the middle of
     /// the active ones, so that float coordinates stay small.

@@ -44,6 +44,10 @@ void Renderer::load(Scene scene, const Progress& progress) {
         throw InputError(fmt::format("linear fetches need weights of one sign, which the filter {} "
                                      "does not have: fetch rows or samples",
                                      filter_name(scene.filter)));
+    if (scene.storage.over_budget == OverBudget::Coarsen &&
+        (scene.storage.fetch == Fetch::Linear ||
+         scene.derivative_filter.value_or(scene.filter) != scene.filter))
+        throw InputError("coarse bricks cannot be fetched linearly, nor have a derivative filter");
     // The old field goes first, so that both are never in memory.
     field_ = {};
     moving_.reset();
@@ -54,15 +58,26 @@ void Renderer::load(Scene scene, const Progress& progress) {
         !share_control_samples(scene.filter, derivative_filter))
         derivative_control_ = control_samples(scene.field, derivative_filter, progress);
     ranges_ = find_block_ranges(*control_, kernel_of(scene.filter), progress);
+    coarse_.reset();
     scene_ = std::move(scene);
     const float iso = static_cast<float>(scene_.iso_world);
     active_ = active_pages(ranges_, iso);
     active_ = active_pages(ranges_, iso, error_of_storage());
+    if (scene_.storage.over_budget == OverBudget::Coarsen)
+        coarse_ = coarsen(control_, kernel_of(scene_.filter), ranges_, active_, iso, scene_.storage,
+                          progress);
+    if (coarse_) control_ = coarse_->field;
     upload(progress);
 }
 
 void Renderer::set_iso(double iso_world) {
     if (!control_) throw std::logic_error("no scene is loaded");
+    if (scene_.storage.over_budget == OverBudget::Coarsen) { // ranges depend on what is coarse
+        Scene scene = scene_;
+        scene.iso_world = iso_world;
+        load(std::move(scene));
+        return;
+    }
     if (!moving_)
         moving_.emplace(ranges_, static_cast<float>(scene_.iso_world), error_of_storage());
     scene_.iso_world = iso_world;
@@ -89,7 +104,7 @@ void Renderer::upload(const Progress& progress) {
     StorageOptions storage = scene_.storage;
     if (derivative_control_) storage.budget_bytes /= 2;
     field_ = FieldOnGpu(*scene_.field, *control_, kernel_of(scene_.filter), ranges_, active_, iso,
-                        storage, progress, scene_.quality.traversal);
+                        storage, progress, scene_.quality.traversal, coarse_ ? &*coarse_ : nullptr);
     if (derivative_control_) {
         derivative_ranges_ = with_samples_of(*derivative_control_, ranges_, active_);
         derivative_field_ =

@@ -53,6 +53,8 @@ public:
     /// False if the field never crosses the iso value.
     bool has_surface() const { return !surface_box().is_empty(); }
     const BrickPool& pool() const { return field_.pool(); }
+    /// What was coarsened to fit the budget, if anything was.
+    const std::optional<CoarseBricks>& coarse_bricks() const { return coarse_; }
 
     /// Runs the passes that `wanted` needs.
     /// throws  InputError for a size below 1 or above what the GL offers
@@ -76,6 +78,7 @@ private:
     BlockRanges ranges_;
     std::vector<ActivePage> active_;
     std::optional<ActiveSet> moving_; // made when the iso value moves first
+    std::optional<CoarseBricks> coarse_;
     FieldOnGpu field_;
     // Where the derivative filter has control samples of its own.
     std::shared_ptr<const FieldSource> derivative_control_;

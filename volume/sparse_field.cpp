@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <tuple>
 #include <utility>
 
 namespace isocast {
@@ -27,6 +28,35 @@ int ceil_div(std::int64_t a, std::int64_t b) {
 IndexBox blocks_over(const IndexBox& box) {
     return {floor_div(box.lo, block_size),
             (floor_div((box.hi.array() - 1).matrix(), block_size).array() + 1).matrix()};
+}
+
+std::vector<IndexBox> runs_of_blocks(std::span<const IndexBox> boxes) {
+    struct Run {
+        int z, y, x_lo, x_hi;
+    };
+    std::vector<Run> runs;
+    for (const IndexBox& box : boxes) {
+        const IndexBox blocks = blocks_over(box);
+        for (int z = blocks.lo.z(); z < blocks.hi.z(); ++z) {
+            for (int y = blocks.lo.y(); y < blocks.hi.y(); ++y) {
+                runs.push_back({z, y, blocks.lo.x(), blocks.hi.x()});
+            }
+        }
+    }
+    std::ranges::sort(runs, {}, [](const Run& run) { return std::tuple(run.z, run.y, run.x_lo); });
+    std::vector<IndexBox> united;
+    for (auto run = runs.begin(); run != runs.end();) {
+        int x_hi = run->x_hi;
+        auto next = run + 1;
+        for (; next != runs.end() && next->z == run->z && next->y == run->y && next->x_lo <= x_hi;
+             ++next) {
+            x_hi = std::max(x_hi, next->x_hi);
+        }
+        united.push_back({block_size * Index3(run->x_lo, run->y, run->z),
+                          block_size * Index3(x_hi, run->y + 1, run->z + 1)});
+        run = next;
+    }
+    return united;
 }
 
 namespace {

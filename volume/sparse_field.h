@@ -53,6 +53,9 @@ inline bool is_inside_beyond(const FieldBlock& block) {
 /// The blocks that hold the samples of `box` [block coordinates].
 IndexBox blocks_over(const IndexBox& box);
 
+/// The blocks that hold samples of any of the boxes, in runs along x that do not overlap [samples].
+std::vector<IndexBox> runs_of_blocks(std::span<const IndexBox> boxes);
+
 /// The numbers of the blocks by z, then y, then x of their coordinates.
 std::vector<std::uint32_t> zyx_order(std::span<const FieldBlock> blocks);
 

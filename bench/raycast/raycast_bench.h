@@ -38,6 +38,10 @@ std::vector<DrawResult> draw_in_turns(Renderer& renderer, const std::vector<Draw
 /// Seconds of one frame of the loaded scene.
 double frame_seconds(Renderer& renderer, const Camera& camera, int size, FrameReport& report);
 
+/// Parts of the memory that a field takes, by coarser bricks and by streaming; prints a table.
+void run_coarse(Renderer& renderer, const std::shared_ptr<const FieldSource>& field,
+                const Camera& camera, int size, int repeats);
+
 /// From the scene's iso value by `small` and by `large` and back: a fresh load, set_iso, and the
 /// query for the active blocks alone, by all ranges and by the ends that are passed; prints a
 /// table.

@@ -233,6 +233,15 @@ TEST_F(RefusedOption, StorageThatThereIsNot) {
            isocast({"render", "field:torus@16", "-o", out("a.png"), "--fetch", "linear", "--filter",
                     "catmull-rom"}),
            {"linear fetches", "catmull-rom", "rows"});
+    refused("--over-budget", "drop", {"stream", "coarsen"});
+    expect(2,
+           isocast({"render", "field:torus@16", "-o", out("a.png"), "--over-budget", "coarsen",
+                    "--filter", "linear"}),
+           {"--over-budget", "B-spline", "linear"});
+    expect(4,
+           isocast({"render", "field:torus@32", "-o", out("a.png"), "--over-budget", "coarsen",
+                    "--texture-memory", "0.001"}),
+           {"texture budget", "bricks need"});
     for (const char* mebibytes : {"0", "-1", "nan"}) refused("--texture-memory", mebibytes, {});
     for (const char* rate : {"0", "-1", "65"}) refused("--rate", rate, {"64"});
     refused("--rate-factor", "0", {});

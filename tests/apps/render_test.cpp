@@ -337,6 +337,37 @@ TEST(Render, MemoryLimitChangesNothingButWhereSamplesLie) {
     EXPECT_EQ(isocast(render(field, folder / "c.png", {"--max-memory", "1G"}), nowhere).code, 0);
 }
 
+TEST(Render, CoarseBricksFitTheBudgetAndSaySo) {
+    const TemporaryFolder folder;
+    const auto draw = [&](const char* mebibytes) {
+        return isocast(render(
+            "field:gyroid@48", folder / "a.exr",
+            {"--aov", "P", "--texture-memory", mebibytes, "--over-budget", "coarsen", "--json"}));
+    };
+    const Outcome all = draw("100");
+    EXPECT_EQ(all.err, "");
+    EXPECT_TRUE(Json::parse(checked_output(all))["coarse_bricks"].is_null());
+    const auto whole = ExrFile(folder / "a.exr").channels;
+
+    const Outcome few = draw("0.5");
+    const Json json = Json::parse(checked_output(few));
+    EXPECT_NE(few.err.find("bricks were coarsened"), std::string::npos) << few.err;
+    EXPECT_EQ(json["warnings"].size(), 1u);
+    const Json& coarse = json["coarse_bricks"];
+    EXPECT_GT(coarse["count"], 0);
+    EXPECT_LE(coarse["count"], coarse["of"]);
+    EXPECT_EQ(coarse["of"], json["bricks"]["active"]);
+    EXPECT_EQ(json["bricks"]["active"], json["bricks"]["resident"]);
+    EXPECT_EQ(coarse["levels"].size(), 4u);
+    EXPECT_GT(coarse["greatest_residual"], 0.0);
+    EXPECT_NE(ExrFile(folder / "a.exr").channels, whole);
+
+    const std::string text = checked_output(
+        isocast(render("field:gyroid@48", folder / "a.png",
+                       {"--texture-memory", "0.5", "--over-budget", "coarsen", "--explain"})));
+    EXPECT_NE(text.find("bricks of 8^3 cells"), std::string::npos) << text;
+}
+
 TEST(Render, FileWithoutAnIsoValueIsDrawnAtTheSuggestedOne) {
     const TemporaryFolder folder;
     checked_output(isocast({"sample", "field:marschner-lobb@20", "-o", folder / "a.vdb"}));

@@ -51,8 +51,10 @@ ExrLayers exr_layers_from(std::string_view list) {
             layers.position = true;
         else if (name == "N")
             layers.normal = true;
+        else if (name == "curvature")
+            layers.curvature = true;
         else
-            throw UsageError(fmt::format("unknown output '{}' (known: P, N)", name));
+            throw UsageError(fmt::format("unknown output '{}' (known: P, N, curvature)", name));
         if (comma == std::string_view::npos) return layers;
         list.remove_prefix(comma + 1);
     }
@@ -106,6 +108,25 @@ ExrImage exr_image(const FrameImages& frame, const Camera& camera, const ExrLaye
                 if (length > 0) n[i] = static_cast<float>(g[axis] / length);
             }
         }
+    }
+
+    if (layers.curvature) {
+        const auto add = [&](const char* name, auto value) {
+            auto& values = channel(fmt::format("curvature.{}", name));
+            for (std::size_t i = 0; i < count; ++i) {
+                const float* k = &frame.curvature.rgba[4 * i];
+                if (k[3] != 0) values[i] = static_cast<float>(value(double{k[0]}, double{k[1]}));
+            }
+        };
+        add("k1", [](double k1, double) { return k1; });
+        add("k2", [](double, double k2) { return k2; });
+        add("mean", [](double k1, double k2) { return (k1 + k2) / 2; });
+        add("gauss", [](double k1, double k2) { return k1 * k2; });
+        // atan2 needs no quotient: at umbilics the index is 1 or -1, on planes 0.
+        add("shapeIndex", [](double k1, double k2) {
+            return 2 / std::numbers::pi * std::atan2(k1 + k2, k1 - k2);
+        });
+        add("curvedness", [](double k1, double k2) { return std::hypot(k1, k2) / std::sqrt(2); });
     }
 
     const Eigen::Matrix4d world_to_camera = camera_from_world(camera);

@@ -7,19 +7,24 @@
 
 namespace isocast {
 
-/// Images of one frame, of one size. `gradient` may be empty: it is needed for normals only.
+/// Images of one frame, of one size. The last two may be empty where no layer needs them.
 struct FrameImages {
-    Image beauty;   // linear RGB, coverage
-    Image hit;      // eye-relative position [world], object (0: none)
-    Image gradient; // world axes; w 1 on a hit
+    Image beauty;         // linear RGB, coverage
+    Image hit;            // eye-relative position [world], object (0: none)
+    Image gradient;       // world axes; w 1 on a hit
+    Image curvature = {}; // k1 >= k2 [1/world], 0; w not 0 on a hit
 };
 
 struct ExrLayers {
     bool position = false; // P.X P.Y P.Z: world, 0 on misses
     bool normal = false;   // N.X N.Y N.Z: unit gradient, world axes, 0 on misses
+    /// curvature.k1 .k2 .mean .gauss .shapeIndex .curvedness: k1 >= k2 [1/world], their mean,
+    /// product, (2/pi) atan((k1 + k2)/(k1 - k2)) in [-1, 1] (0 where both are), and
+    /// sqrt((k1^2 + k2^2)/2) [Koenderink & van Doorn 1992]; 0 on misses.
+    bool curvature = false;
 };
 
-/// "P", "N" or "P,N".
+/// Of "P", "N" and "curvature", joined by commas.
 /// throws  UsageError that lists the known names
 ExrLayers exr_layers_from(std::string_view list);
 

@@ -153,7 +153,8 @@ void write(const RenderCommand& command, const Renderer& renderer, const Camera&
     }
     const ExrLayers layers = command.layers.value_or(ExrLayers{});
     const FrameImages images{std::move(beauty), renderer.read(FrameImage::Hit),
-                             layers.normal ? renderer.read(FrameImage::Gradient) : Image{}};
+                             layers.normal ? renderer.read(FrameImage::Gradient) : Image{},
+                             layers.curvature ? renderer.read(FrameImage::Curvature) : Image{}};
     ExrImage exr = exr_image(images, camera, layers);
     exr.floats = {{"iso", static_cast<float>(scene.iso_world)},
                   {"voxelSize", static_cast<float>(scene.field->space().voxel_size_world())}};
@@ -329,6 +330,7 @@ void run(const RenderCommand& command, const std::vector<std::filesystem::path>&
     ImageSet wanted{FrameImage::Beauty};
     if (!is_png) wanted.insert(FrameImage::Hit);
     if (command.layers && command.layers->normal) wanted.insert(FrameImage::Gradient);
+    if (command.layers && command.layers->curvature) wanted.insert(FrameImage::Curvature);
     const Camera camera = camera_from(command.camera, renderer.surface_box_world(),
                                       double(command.size.width) / command.size.height);
     const FrameReport frame = draw_frames(renderer, camera, command, wanted, progress);
@@ -426,8 +428,10 @@ Verb render_verb(CLI::App& program, std::vector<std::filesystem::path> shader_fo
     add_parsed(*app, "--backend", command->backend, offscreen_backend_from,
                "OpenGL through: auto (egl, then osmesa), egl, osmesa")
         ->type_name("NAME");
-    add_parsed(*app, "--aov", command->layers, exr_layers_from,
-               "More channels for an .exr, joined by ',': P (position), N (normal)")
+    add_parsed(
+        *app, "--aov", command->layers, exr_layers_from,
+        "More channels for an .exr, joined by ',': P (position), N (normal), curvature (k1, k2, "
+        "mean, gauss, shapeIndex, curvedness)")
         ->type_name("LIST");
     app->add_option("--repeat", command->repeat, "Draw N frames and report median times")
         ->check(CLI::Range(1, 10000))

@@ -74,12 +74,18 @@ void run_frames(Renderer& renderer, const std::shared_ptr<const SparseField>& fi
     const Camera camera = camera_of(scene);
     renderer.load({.field = field});
     std::vector<double> ours;
+    std::vector<double> ours_with_curvature;
     FrameReport report;
+    FrameReport curvature_report;
     std::map<std::string, std::vector<double>> theirs;
     std::map<std::string, PeerFrame> last;
     for (int turn = 0; turn < repeats; ++turn) {
         frame_seconds(renderer, camera, size, report);
         ours.push_back(frame_seconds(renderer, camera, size, report));
+        const ImageSet with_curvature{FrameImage::Beauty, FrameImage::Curvature};
+        frame_seconds(renderer, camera, size, curvature_report, with_curvature);
+        ours_with_curvature.push_back(
+            frame_seconds(renderer, camera, size, curvature_report, with_curvature));
         for (const Peer& peer : all_peers) {
             if (std::ranges::find(names, peer.name) == names.end()) continue;
             if (peer.is_slow && turn > 0) continue;
@@ -99,9 +105,16 @@ void run_frames(Renderer& renderer, const std::shared_ptr<const SparseField>& fi
     fmt::print("{:<10} {:<34} {:>8.4f} {:>8.4f} {:>7} {:>7.2f} {:>7}  passes [ms]:",
                fmt::format("{}@{}", resolution, size), "isocast, interpolating spline", own.median,
                own.least, "", 100.0 * double(count) / double(covered.size()), "");
-    for (const PassReport& pass : report.passes)
-        fmt::print(" {} {:.1f}", pass.name, pass.milliseconds);
-    fmt::print("\n");
+    const auto print_passes = [](const FrameReport& of) {
+        for (const PassReport& pass : of.passes)
+            if (pass.ran) fmt::print(" {} {:.1f}", pass.name, pass.milliseconds);
+        fmt::print("\n");
+    };
+    print_passes(report);
+    const Timing second = timing_of(ours_with_curvature);
+    fmt::print("{:<10} {:<34} {:>8.4f} {:>8.4f} {:>23}  passes [ms]:", "",
+               "isocast, the same and k1, k2", second.median, second.least, "");
+    print_passes(curvature_report);
     for (const Peer& peer : all_peers) {
         const auto found = last.find(peer.name);
         if (found == last.end()) continue;

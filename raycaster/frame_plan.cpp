@@ -16,6 +16,8 @@ std::string_view name_of(FrameImage image) {
         return "hit";
     case FrameImage::Gradient:
         return "gradient";
+    case FrameImage::Curvature:
+        return "curvature";
     case FrameImage::Beauty:
         return "beauty";
     }

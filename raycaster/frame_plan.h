@@ -12,12 +12,13 @@ namespace isocast {
 
 /// The images of a frame. A changed image gets a new name, so each has one writer.
 enum class FrameImage {
-    Bounds,   // where rays first and last meet the faces around active blocks: t, -t [voxels]
-    Hit,      // first hit: eye-relative position [world], object
-    Gradient, // gradient of the field at the hit [1/world * world], world axes
-    Beauty,   // shaded colour, linear
+    Bounds,    // where rays first and last meet the faces around active blocks: t, -t [voxels]
+    Hit,       // first hit: eye-relative position [world], object
+    Gradient,  // gradient of the field at the hit [1/world * world], world axes
+    Curvature, // principal curvatures k1 >= k2 [1/world], 0; 1, or 2 where the gradient vanishes
+    Beauty,    // shaded colour, linear
 };
-inline constexpr int frame_image_count = 4;
+inline constexpr int frame_image_count = 5;
 
 std::string_view name_of(FrameImage image);
 

@@ -30,8 +30,9 @@ gl::ProgramKey bounds_program(const BrickPool& pool) {
     return {{"raycast/bounds.vert", "raycast/bounds.frag"}, pool.defines()};
 }
 
-gl::ProgramKey field_program(const char* fragment_shader, const BrickPool& pool) {
-    return {{"common/tiles.vert", fragment_shader}, pool.defines()};
+gl::ProgramKey derivatives_program(std::map<std::string, std::string> defines, int order) {
+    defines.emplace("ORDER", std::to_string(order));
+    return {{"common/tiles.vert", "raycast/derivatives.frag"}, std::move(defines)};
 }
 
 /// Columns (constant, d/dx, d/dy) of the affine map from gl_FragCoord to view space at `depth` in
@@ -263,9 +264,10 @@ void run_raycast(FrameContext& frame) {
         draw_field(frame, frame.field, FrameImage::Hit, program);
 }
 
-void run_gradient(FrameContext& frame) {
+/// Of raycast/derivatives.frag: 1 for the gradient, 2 for curvatures.
+void run_derivatives(FrameContext& frame, FrameImage image, int order) {
     FieldOnGpu& field = frame.derivative_field;
-    gl::ProgramKey key = field_program("raycast/gradient.frag", field.pool());
+    gl::ProgramKey key = derivatives_program(field.pool().defines(), order);
     const Kernel kernel = kernel_of(frame.scene.derivative_filter.value_or(frame.scene.filter));
     key.defines["KERNEL"] = std::to_string(static_cast<int>(kernel));
     const gl::Program& program = frame.shaders.program(key);
@@ -276,9 +278,10 @@ void run_gradient(FrameContext& frame) {
         space.to_index(frame.camera.eye_world) - field.local_origin_index().cast<double>();
     program.set("u_index_from_world",
                 Eigen::Matrix3f(space.world_from_index.linear().inverse().cast<float>()));
-    program.set("u_world_from_stored", field.pool().world_from_stored());
+    // Curvatures do not depend on the unit of values.
+    if (order == 1) program.set("u_world_from_stored", field.pool().world_from_stored());
     program.set("u_eye_local", Eigen::Vector3f(eye_local.cast<float>()));
-    draw_field(frame, field, FrameImage::Gradient, program);
+    draw_field(frame, field, image, program);
 }
 
 void run_shading(FrameContext& frame) {
@@ -386,7 +389,14 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
     return {
         {"bounds", {}, FrameImage::Bounds, [&frame] { run_bounds(frame); }},
         {"raycast", bounds, FrameImage::Hit, [&frame] { run_raycast(frame); }},
-        {"gradient", {FrameImage::Hit}, FrameImage::Gradient, [&frame] { run_gradient(frame); }},
+        {"gradient",
+         {FrameImage::Hit},
+         FrameImage::Gradient,
+         [&frame] { run_derivatives(frame, FrameImage::Gradient, 1); }},
+        {"curvature",
+         {FrameImage::Hit},
+         FrameImage::Curvature,
+         [&frame] { run_derivatives(frame, FrameImage::Curvature, 2); }},
         {"shading",
          {FrameImage::Hit, FrameImage::Gradient},
          FrameImage::Beauty,
@@ -411,7 +421,7 @@ std::vector<gl::ProgramKey> all_programs() {
             defines.merge(BrickPool().defines());
             for (const int is_streamed : {0, 1}) {
                 defines["IS_STREAMED"] = std::to_string(is_streamed);
-                keys.push_back({{"common/tiles.vert", "raycast/gradient.frag"}, defines});
+                for (const int order : {1, 2}) keys.push_back(derivatives_program(defines, order));
                 for (const int search : {0, 1}) {
                     for (const Traversal traversal : {Traversal::TileLists, Traversal::DrawnBlocks,
                                                       Traversal::BoundingFaces, Traversal::Walk}) {

@@ -15,9 +15,10 @@ Timing timing_of(std::vector<double> seconds) {
     return {median(std::move(seconds)), least};
 }
 
-double frame_seconds(Renderer& renderer, const Camera& camera, int size, FrameReport& report) {
+double frame_seconds(Renderer& renderer, const Camera& camera, int size, FrameReport& report,
+                     const ImageSet& wanted) {
     const auto start = std::chrono::steady_clock::now();
-    report = renderer.draw(camera, size, size, {FrameImage::Beauty});
+    report = renderer.draw(camera, size, size, wanted);
     glFinish();
     return seconds_since(start);
 }

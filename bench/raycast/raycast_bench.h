@@ -36,7 +36,8 @@ std::vector<DrawResult> draw_in_turns(Renderer& renderer, const std::vector<Draw
                                       const Camera& camera, int size, int repeats);
 
 /// Seconds of one frame of the loaded scene.
-double frame_seconds(Renderer& renderer, const Camera& camera, int size, FrameReport& report);
+double frame_seconds(Renderer& renderer, const Camera& camera, int size, FrameReport& report,
+                     const ImageSet& wanted = {FrameImage::Beauty});
 
 /// Parts of the memory that a field takes, by coarser bricks and by streaming; prints a table.
 void run_coarse(Renderer& renderer, const std::shared_ptr<const FieldSource>& field,

@@ -34,6 +34,18 @@ vec4 kernel_weights_d1(float a) {
 #endif
 }
 
+// Second derivatives [1/voxel^2]; Catmull-Rom's jump from cell to cell.
+vec4 kernel_weights_d2(float a) {
+    float b = 1.0 - a;
+#if KERNEL == 0
+    return vec4(0.0);
+#elif KERNEL == 1
+    return vec4(b, 3.0 * a - 2.0, 1.0 - 3.0 * a, a);
+#else
+    return vec4(2.0 - 3.0 * a, 9.0 * a - 5.0, 4.0 - 9.0 * a, 3.0 * a - 1.0);
+#endif
+}
+
 // The rows of samples along y and z that have weight: first and one past the last of the four.
 #if KERNEL == 0
 const int first_row = 1;

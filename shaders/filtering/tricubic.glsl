@@ -84,6 +84,43 @@ vec3 tricubic_gradient(int address, vec3 a) {
     return gradient;
 }
 
+// First and second derivatives.
+struct Derivatives {
+    vec3 gradient; // [stored units/cell]
+    mat3 hessian;  // [stored units/cell^2]
+};
+
+Derivatives tricubic_derivatives(int address, vec3 a) {
+    vec4 wx = kernel_weights(a.x);
+    vec4 wy = kernel_weights(a.y);
+    vec4 wz = kernel_weights(a.z);
+    vec4 dx = kernel_weights_d1(a.x);
+    vec4 dy = kernel_weights_d1(a.y);
+    vec4 dz = kernel_weights_d1(a.z);
+    vec4 ddx = kernel_weights_d2(a.x);
+    vec4 ddy = kernel_weights_d2(a.y);
+    vec4 ddz = kernel_weights_d2(a.z);
+    vec3 gradient = vec3(0.0);
+    vec3 pure = vec3(0.0);  // xx, yy, zz
+    vec3 mixed = vec3(0.0); // yz, xz, xy
+    for (int k = first_row; k < last_row; ++k) {
+        vec3 plane = vec3(0.0);        // x, y, value
+        vec3 plane_second = vec3(0.0); // xx, yy, xy
+        for (int j = first_row; j < last_row; ++j) {
+            vec4 row = row_of_four(address + j * ROW_STRIDE + k * PLANE_STRIDE);
+            float value = dot(wx, row);
+            float first = dot(dx, row);
+            plane += vec3(wy[j] * first, dy[j] * value, wy[j] * value);
+            plane_second += vec3(wy[j] * dot(ddx, row), ddy[j] * value, dy[j] * first);
+        }
+        gradient += vec3(wz[k], wz[k], dz[k]) * plane;
+        pure += vec3(wz[k] * plane_second.xy, ddz[k] * plane.z);
+        mixed += vec3(dz[k] * plane.yx, wz[k] * plane_second.z);
+    }
+    return Derivatives(gradient, mat3(pure.x, mixed.z, mixed.y, mixed.z, pure.y, mixed.x, mixed.y,
+                                      mixed.x, pure.z));
+}
+
 // The same two by the fewest fetches, for what may err by fetch_error() of a slope bound [1/cell].
 #if FETCH == 2 && KERNEL != 2 // Catmull-Rom's weights have both signs
 #include "filtering/linear_fetches.glsl"

@@ -5,7 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <numbers>
 
 namespace isocast::test {
 namespace {
@@ -108,10 +110,40 @@ TEST_P(ExrLayersOf, OnlyTheLayersAskedForExist) {
     EXPECT_EQ(names, (std::vector<std::string>{"A", "B", "G", "R", "Z"}));
 }
 
+TEST_P(ExrLayersOf, CurvaturesOfKnownShapes) {
+    struct Shape {
+        float k1, k2;
+        double mean, gauss, index, curvedness;
+    };
+    // A sphere, a hollow one, a cylinder, a saddle, a plane.
+    constexpr std::array shapes{Shape{2, 2, 2, 4, 1, 2}, Shape{-3, -3, -3, 9, -1, 3},
+                                Shape{2, 0, 1, 0, 0.5, std::numbers::sqrt2},
+                                Shape{1, -1, 0, -1, 0, 1}, Shape{0, 0, 0, 0, 0, 0}};
+    frame.curvature = {width, height, std::vector<float>(std::size_t{4} * width * height)};
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+        frame.curvature.rgba[4 * i] = shapes[i].k1;
+        frame.curvature.rgba[4 * i + 1] = shapes[i].k2;
+        frame.curvature.rgba[4 * i + 3] = 1;
+    }
+    exr = exr_image(frame, camera, {.curvature = true});
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+        const int x = static_cast<int>(i);
+        EXPECT_EQ(value("curvature.k1", x, 0), shapes[i].k1);
+        EXPECT_EQ(value("curvature.k2", x, 0), shapes[i].k2);
+        EXPECT_EQ(value("curvature.mean", x, 0), shapes[i].mean);
+        EXPECT_EQ(value("curvature.gauss", x, 0), shapes[i].gauss);
+        EXPECT_FLOAT_EQ(value("curvature.shapeIndex", x, 0), static_cast<float>(shapes[i].index));
+        EXPECT_FLOAT_EQ(value("curvature.curvedness", x, 0),
+                        static_cast<float>(shapes[i].curvedness));
+    }
+    EXPECT_EQ(value("curvature.k1", 7, 3), 0) << "a miss";
+}
+
 TEST(ExrLayers, AreNamedInAList) {
     EXPECT_TRUE(exr_layers_from("P").position);
     EXPECT_FALSE(exr_layers_from("P").normal);
     EXPECT_TRUE(exr_layers_from("N,P").position && exr_layers_from("N,P").normal);
+    EXPECT_TRUE(exr_layers_from("P,curvature").curvature);
     for (const char* text : {"", "P,", "Q", "P N", "p"})
         EXPECT_THROW(exr_layers_from(text), UsageError) << text;
 }

@@ -36,6 +36,8 @@ TEST(LivePasses, RunOnlyWhatTheOutputsNeed) {
     EXPECT_EQ(names(live_passes(declared.passes, {FrameImage::Hit})), Names{"raycast"});
     EXPECT_EQ(names(live_passes(declared.passes, {FrameImage::Gradient})),
               (Names{"raycast", "gradient"}));
+    EXPECT_EQ(names(live_passes(declared.passes, {FrameImage::Curvature})),
+              (Names{"raycast", "curvature"}));
     EXPECT_EQ(names(live_passes(declared.passes, {FrameImage::Beauty})),
               (Names{"raycast", "gradient", "shading"}));
 }

@@ -1,7 +1,12 @@
-// Gradient of the field at each hit, turned to world space (thesis section 6.4.1).
+// Derivatives of the field at each hit, turned to world space, and what follows from them (thesis
+// section 6.4.1).
 // SPDX-License-Identifier: MPL-2.0
 #version 450 core
 #include "raycast/field.glsl"
+// ORDER 1: the gradient, 2: principal curvatures.
+#if ORDER == 2
+#include "filtering/curvature.glsl"
+#endif
 #if IS_STREAMED
 #include "raycast/stream.glsl"
 #endif
@@ -9,12 +14,18 @@
 layout(binding = 3) uniform sampler2D t_hit;
 uniform mat3 u_index_from_world;
 uniform vec3 u_eye_local;
+#if ORDER == 1
 uniform float u_world_from_stored; // what a stored unit is
+#endif
 
-out vec4 o_gradient; // world axes; w 1 on a hit
+#if ORDER == 1
+out vec4 o_derived; // gradient, world axes; w 1 on a hit
+#else
+out vec4 o_derived; // k1 >= k2 [1/world], 0; w 1 on a hit, 2 where the gradient vanishes
+#endif
 
 void main() {
-    o_gradient = vec4(0.0);
+    o_derived = vec4(0.0);
     vec4 hit = texelFetch(t_hit, ivec2(gl_FragCoord.xy), 0);
     vec3 p_local = u_eye_local + u_index_from_world * hit.xyz;
 #if IS_STREAMED
@@ -30,9 +41,17 @@ void main() {
     // is computed, or the compiler would see that it runs but once.
     bool is_waiting = hit.w != 0.0;
     while (is_waiting) {
-        vec3 gradient_index = u_world_from_stored * field_gradient(p_local);
         // Inverse transpose of world_from_index: voxels need not be cubes.
-        o_gradient = vec4(transpose(u_index_from_world) * gradient_index, 1.0);
-        is_waiting = o_gradient.w < hit.w - 1e3; // never
+#if ORDER == 1
+        vec3 gradient_index = u_world_from_stored * field_gradient(p_local);
+        o_derived = vec4(transpose(u_index_from_world) * gradient_index, 1.0);
+#else
+        Derivatives f = field_derivatives(p_local);
+        vec3 gradient = transpose(u_index_from_world) * f.gradient;
+        mat3 hessian = transpose(u_index_from_world) * f.hessian * u_index_from_world;
+        o_derived = vec4(principal_curvatures(gradient, hessian), 0.0,
+                         dot(gradient, gradient) > 0.0 ? 1.0 : 2.0);
+#endif
+        is_waiting = o_derived.w < hit.w - 1e3; // never
     }
 }

@@ -1,0 +1,135 @@
+// Curvatures of surfaces where they are known, and of matrices that are hard.
+// SPDX-License-Identifier: MPL-2.0
+#include "filtering/curvature.h"
+
+#include "../volume/random_fields.h"
+#include "volume/analytic_fields.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace isocast {
+namespace {
+
+using test::Random;
+
+// A few roundings of the greatest curvature; exact input.
+constexpr double tolerance = 1e-13;
+
+void expect_orthonormal(const Curvatures& c, const Vec3d& gradient) {
+    const Vec3d n = gradient.normalized();
+    EXPECT_NEAR(c.direction1.norm(), 1, tolerance);
+    EXPECT_NEAR(c.direction2.norm(), 1, tolerance);
+    EXPECT_NEAR(c.direction1.dot(c.direction2), 0, tolerance);
+    EXPECT_NEAR(c.direction1.dot(n), 0, tolerance);
+    EXPECT_NEAR(c.direction2.dot(n), 0, tolerance);
+}
+
+TEST(Curvature, OfASphereIsTheInverseOfItsRadiusTwice) {
+    Random random(1);
+    const AnalyticField sphere = sphere_field(Vec3d(1, 2, 3), 1);
+    for (int i = 0; i < 1000; ++i) {
+        const double r = std::exp2(test::random_real(random, -20, 20));
+        const Vec3d p = Vec3d(1, 2, 3) + r * test::random_point(random, -1, 1).normalized();
+        const Jet jet = sphere.jet(p);
+        const double radius = (p - Vec3d(1, 2, 3)).norm();
+        const Curvatures c = principal_curvatures(jet.gradient, jet.hessian);
+        EXPECT_NEAR(c.k1 * radius, 1, tolerance);
+        EXPECT_NEAR(c.k2 * radius, 1, tolerance);
+        expect_orthonormal(c, jet.gradient);
+    }
+}
+
+TEST(Curvature, OfATorusFollowsItsCircles) {
+    Random random(2);
+    constexpr double major = 1;
+    constexpr double minor = 0.4;
+    const AnalyticField torus = torus_field(Vec3d::Zero(), Vec3d::UnitZ(), major, minor);
+    for (int i = 0; i < 1000; ++i) {
+        const double u = test::random_real(random, -3.1, 3.1);
+        const double v = test::random_real(random, -3.1, 3.1);
+        const double ring = major + minor * std::cos(v);
+        const Vec3d p(ring * std::cos(u), ring * std::sin(u), minor * std::sin(v));
+        const Jet jet = torus.jet(p);
+        const Curvatures c = principal_curvatures(jet.gradient, jet.hessian);
+        EXPECT_NEAR(c.k1, 1 / minor, 1e-12); // the field's own roundings: 1/minor^2 of them
+        EXPECT_NEAR(c.k2, std::cos(v) / ring, 1e-12);
+        const Vec3d meridian(-std::sin(v) * std::cos(u), -std::sin(v) * std::sin(u), std::cos(v));
+        EXPECT_NEAR(std::abs(c.direction1.dot(meridian)), 1, 1e-12);
+        expect_orthonormal(c, jet.gradient);
+    }
+}
+
+TEST(Curvature, OfACylinderIsZeroAlongIt) {
+    Random random(3);
+    for (int i = 0; i < 1000; ++i) {
+        const Vec3d axis = test::random_point(random, -1, 1).normalized();
+        const AnalyticField cylinder = cylinder_field(Vec3d::Zero(), axis, 0.5);
+        const Vec3d away = axis.cross(test::random_point(random, -1, 1)).normalized();
+        const Jet jet = cylinder.jet(0.5 * away + test::random_real(random, -2, 2) * axis);
+        const Curvatures c = principal_curvatures(jet.gradient, jet.hessian);
+        EXPECT_NEAR(c.k1, 2, 1e-12);
+        EXPECT_NEAR(c.k2, 0, 1e-12);
+        EXPECT_NEAR(std::abs(c.direction2.dot(axis)), 1, 1e-12);
+    }
+}
+
+TEST(Curvature, OfASaddleIsOneAndMinusOne) {
+    const Jet jet = builtin_field("saddle").jet(Vec3d::Zero());
+    const Curvatures c = principal_curvatures(jet.gradient, jet.hessian);
+    EXPECT_NEAR(c.k1, 1, tolerance);
+    EXPECT_NEAR(c.k2, -1, tolerance);
+}
+
+/// H d = k |g| d within the tangent plane, whatever the normal: towards the poles, where bases
+/// break, along axes, where entries vanish.
+TEST(Curvature, SolvesTheEigenproblemForAnyNormal) {
+    Random random(4);
+    std::vector<Vec3d> normals{Vec3d::UnitX(),  Vec3d::UnitY(),        Vec3d::UnitZ(),
+                               -Vec3d::UnitX(), -Vec3d::UnitY(),       -Vec3d::UnitZ(),
+                               {1e-9, 0, -1},   {-1e-300, 1e-300, -1}, {1e-17, -1e-17, 1}};
+    for (int i = 0; i < 1000; ++i) normals.push_back(test::random_point(random, -1, 1));
+    for (const Vec3d& normal : normals) {
+        const Vec3d n = normal.normalized();
+        const double length = std::exp2(test::random_real(random, -30, 30));
+        Mat3d h = Mat3d::NullaryExpr([&] { return test::random_real(random, -1, 1); });
+        h = (h + h.transpose()).eval();
+        const Curvatures c = principal_curvatures(length * n, h);
+        EXPECT_GE(c.k1, c.k2);
+        expect_orthonormal(c, n);
+        const Mat3d tangential = Mat3d::Identity() - n * n.transpose();
+        const double scale = h.norm() / length;
+        for (const auto& [k, d] : {std::pair{c.k1, c.direction1}, std::pair{c.k2, c.direction2}})
+            EXPECT_LE((tangential * h * d / length - k * d).norm(), 1e-12 * scale);
+    }
+}
+
+/// Eq. 6.8 as printed is the zero vector here.
+TEST(Curvature, HasDirectionsWhereTheBasisIsPrincipalAndAtUmbilics) {
+    for (const Vec3d& pure : {Vec3d(3, 1, 0), Vec3d(1, 3, 0), Vec3d(2, 2, 0), Vec3d(0, 0, 5)}) {
+        const Curvatures c = principal_curvatures(Vec3d::UnitZ(), pure.asDiagonal());
+        EXPECT_EQ(c.k1, std::max(pure.x(), pure.y()));
+        EXPECT_EQ(c.k2, std::min(pure.x(), pure.y()));
+        expect_orthonormal(c, Vec3d::UnitZ());
+        if (pure.x() > pure.y()) {
+            EXPECT_EQ(std::abs(c.direction1.x()), 1);
+        }
+        if (pure.x() < pure.y()) {
+            EXPECT_EQ(std::abs(c.direction1.y()), 1);
+        }
+    }
+}
+
+TEST(Curvature, IsZeroWhereTheGradientVanishes) {
+    for (const double x : {0.0, -0.0}) {
+        const Curvatures c = principal_curvatures(Vec3d(x, 0, 0), Mat3d::Ones());
+        EXPECT_EQ(c.k1, 0);
+        EXPECT_EQ(c.k2, 0);
+        EXPECT_EQ(c.direction1, Vec3d::Zero());
+    }
+}
+
+} // namespace
+} // namespace isocast

@@ -175,7 +175,8 @@ void report_json(const RenderCommand& command, const gl::DriverInfo& driver,
             passes.push_back({{"name", pass.name},
                               {"ms", pass.milliseconds},
                               {"bytes", pass.texture_bytes},
-                              {"asked_by", pass.asked_by}});
+                              {"asked_by", pass.asked_by},
+                              {"drawn_by", pass.drawn_by}});
     const BrickPool& pool = renderer.pool();
     nlohmann::ordered_json coarse; // null unless bricks were coarsened
     if (const auto& bricks = renderer.coarse_bricks())
@@ -217,8 +218,9 @@ void explain(const FrameReport& frame, const Renderer& renderer, double voxel_si
     fmt::print("{:<12} {:>10} {:>10}  {}\n", "pass", "ms", "MiB", "asked by");
     for (const PassReport& pass : frame.passes)
         if (pass.ran)
-            fmt::print("{:<12} {:>10.3f} {:>10.2f}  {}\n", pass.name, pass.milliseconds,
-                       double(pass.texture_bytes) / mib, pass.asked_by);
+            fmt::print("{:<12} {:>10.3f} {:>10.2f}  {}{}\n", pass.name, pass.milliseconds,
+                       double(pass.texture_bytes) / mib, pass.asked_by,
+                       pass.drawn_by.empty() ? "" : fmt::format(" (drawn by {})", pass.drawn_by));
         else
             fmt::print("{:<12} {:>10} {:>10}  nothing: does not run\n", pass.name, "-", "-");
     fmt::print("{} programs; images {:.2f} MiB, field {:.2f} MiB\n", frame.programs_compiled,

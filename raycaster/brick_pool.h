@@ -36,6 +36,7 @@ public:
               const std::vector<ActivePage>& active, const BlockTable& table, float iso,
               const StorageOptions& options);
 
+    Fetch fetch() const { return options_.fetch; }
     int brick_count() const { return static_cast<int>(bricks_.size()); }
     int resident_count() const { return resident_count_; }
     bool holds_all() const { return slot_count_ == brick_count(); }

@@ -18,8 +18,9 @@ const gl::ProgramKey blinn_phong_program{
     {"common/tiles.vert", "shading/blinn_phong/blinn_phong.frag"}, {}};
 
 gl::ProgramKey raycast_program(std::map<std::string, std::string> defines, int search,
-                               Traversal traversal) {
+                               Traversal traversal, bool has_gradient) {
     defines.emplace("SEARCH", std::to_string(search));
+    defines.emplace("HAS_GRADIENT", has_gradient ? "1" : "0");
     defines.emplace("TRAVERSAL", std::to_string(static_cast<int>(traversal)));
     return {{traversal == Traversal::DrawnBlocks ? "raycast/drawn_block.vert" : "common/tiles.vert",
              "raycast/raycast.frag"},
@@ -198,6 +199,17 @@ void draw_field(FrameContext& frame, FieldOnGpu& field, FrameImage image,
         draw_streamed(frame, field, image, program);
 }
 
+/// Of shaders that go from hits to the field.
+void set_hit_uniforms(const gl::Program& program, const FrameContext& frame,
+                      const FieldOnGpu& field) {
+    const GridSpace& space = frame.scene.field->space();
+    const Vec3d eye_local =
+        space.to_index(frame.camera.eye_world) - field.local_origin_index().cast<double>();
+    program.set("u_index_from_world",
+                Eigen::Matrix3f(space.world_from_index.linear().inverse().cast<float>()));
+    program.set("u_eye_local", Eigen::Vector3f(eye_local.cast<float>()));
+}
+
 void run_bounds(FrameContext& frame) {
     const gl::Program& program = frame.shaders.program(bounds_program(frame.field.pool()));
     set_ray_uniforms(program, frame);
@@ -219,8 +231,8 @@ void run_bounds(FrameContext& frame) {
 
 void run_raycast(FrameContext& frame) {
     const Quality& quality = frame.scene.quality;
-    const gl::ProgramKey key =
-        raycast_program(frame.field.pool().defines(), quality.rate ? 1 : 0, quality.traversal);
+    const gl::ProgramKey key = raycast_program(frame.field.pool().defines(), quality.rate ? 1 : 0,
+                                               quality.traversal, frame.has_fused_gradient);
     const gl::Program& program = frame.shaders.program(key);
     const FieldSource& field = *frame.scene.field;
     const RayCoefficients ray = set_ray_uniforms(program, frame);
@@ -258,7 +270,14 @@ void run_raycast(FrameContext& frame) {
     }
     program.set("u_world_from_index",
                 Eigen::Matrix3f(field.space().world_from_index.linear().cast<float>()));
-    if (quality.traversal == Traversal::DrawnBlocks)
+    if (frame.has_fused_gradient) {
+        set_hit_uniforms(program, frame, frame.field);
+        program.set("u_world_from_stored", frame.field.pool().world_from_stored());
+        frame.targets.hit_and_gradient.bind();
+        const Eigen::Vector4f empty = Eigen::Vector4f::Zero();
+        for (const int attachment : {0, 1}) glClearBufferfv(GL_COLOR, attachment, empty.data());
+        draw_on_tiles(frame, program);
+    } else if (quality.traversal == Traversal::DrawnBlocks)
         draw_blocks(frame, FrameImage::Hit, program);
     else
         draw_field(frame, frame.field, FrameImage::Hit, program);
@@ -273,14 +292,9 @@ void run_derivatives(FrameContext& frame, FrameImage image, int order) {
     const gl::Program& program = frame.shaders.program(key);
     field.bind(program);
     frame.targets.texture(FrameImage::Hit).bind_to_unit(3);
-    const GridSpace& space = frame.scene.field->space();
-    const Vec3d eye_local =
-        space.to_index(frame.camera.eye_world) - field.local_origin_index().cast<double>();
-    program.set("u_index_from_world",
-                Eigen::Matrix3f(space.world_from_index.linear().inverse().cast<float>()));
+    set_hit_uniforms(program, frame, field);
     // Curvatures do not depend on the unit of values.
     if (order == 1) program.set("u_world_from_stored", field.pool().world_from_stored());
-    program.set("u_eye_local", Eigen::Vector3f(eye_local.cast<float>()));
     draw_field(frame, field, image, program);
 }
 
@@ -382,6 +396,13 @@ RayCoefficients ray_coefficients(const Camera& camera, int width, int height,
     return ray;
 }
 
+bool FrameContext::can_fuse_gradient() const {
+    return &derivative_field == &field && field.pool().holds_all() &&
+           field.pool().fetch() != Fetch::Linear && // whose gradient may be another sum
+           scene.quality.traversal != Traversal::DrawnBlocks &&
+           kernel_of(scene.derivative_filter.value_or(scene.filter)) == kernel_of(scene.filter);
+}
+
 std::vector<Pass> declare_passes(FrameContext& frame) {
     const ImageSet bounds = frame.scene.quality.traversal == Traversal::BoundingFaces
                                 ? ImageSet{FrameImage::Bounds}
@@ -392,7 +413,9 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
         {"gradient",
          {FrameImage::Hit},
          FrameImage::Gradient,
-         [&frame] { run_derivatives(frame, FrameImage::Gradient, 1); }},
+         [&frame] {
+             if (!frame.has_fused_gradient) run_derivatives(frame, FrameImage::Gradient, 1);
+         }},
         {"curvature",
          {FrameImage::Hit},
          FrameImage::Curvature,
@@ -428,7 +451,10 @@ std::vector<gl::ProgramKey> all_programs() {
                         // Renderer::load refuses the others.
                         const bool is_default = search == 0 && traversal == Traversal::TileLists;
                         if (is_streamed == 0 || is_default)
-                            keys.push_back(raycast_program(defines, search, traversal));
+                            keys.push_back(raycast_program(defines, search, traversal, false));
+                        if (is_streamed == 0 && traversal != Traversal::DrawnBlocks &&
+                            storage.fetch != Fetch::Linear)
+                            keys.push_back(raycast_program(defines, search, traversal, true));
                     }
                 }
             }

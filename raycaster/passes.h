@@ -58,6 +58,7 @@ private:
 struct FrameTargets {
     std::array<gl::Texture, frame_image_count> textures;
     std::array<gl::Framebuffer, frame_image_count> framebuffers;
+    gl::Framebuffer hit_and_gradient; // where one pass writes both
 
     gl::Texture& texture(FrameImage image) { return textures[static_cast<std::size_t>(image)]; }
     gl::Framebuffer& framebuffer(FrameImage image) {
@@ -106,6 +107,10 @@ struct FrameContext {
     int width;
     int height;
     FrameTargets& targets;
+    bool has_fused_gradient = false; // the pass "raycast" writes gradients too
+
+    /// Whether it can: with all bricks at hand, of one filter, and pixels that are drawn once.
+    bool can_fuse_gradient() const;
 };
 
 /// Every pass there is, in dataflow order. They refer to `frame`, which must outlive them.

@@ -160,8 +160,13 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
         places,   camera,       width,  height, targets_};
     const std::vector<Pass> declared = declare_passes(frame);
     const std::vector<Pass> live = live_passes(declared, wanted);
+    frame.has_fused_gradient =
+        frame.can_fuse_gradient() && std::ranges::any_of(live, [](const Pass& pass) {
+            return pass.writes == FrameImage::Gradient;
+        });
 
     FrameReport report;
+    targets_.hit_and_gradient = {};
     for (const Pass& pass : declared) {
         gl::Texture& texture = targets_.texture(pass.writes);
         const bool is_live =
@@ -176,10 +181,15 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
                 gl::Texture::image(format_of(pass.writes), width, height, name_of(pass.writes));
             targets_.framebuffer(pass.writes) = gl::Framebuffer({&texture}, name_of(pass.writes));
         }
-        report.passes.push_back({std::string(pass.name), is_live, asked_by(pass, live, wanted), 0,
-                                 texture.byte_count()});
+        const bool is_fused = frame.has_fused_gradient && pass.writes == FrameImage::Gradient;
+        report.passes.push_back({std::string(pass.name), is_live, asked_by(pass, live, wanted),
+                                 is_fused ? "raycast" : "", 0, texture.byte_count()});
         report.image_bytes += texture.byte_count();
     }
+    if (frame.has_fused_gradient)
+        targets_.hit_and_gradient = gl::Framebuffer(
+            {&targets_.texture(FrameImage::Hit), &targets_.texture(FrameImage::Gradient)},
+            "hit and gradient");
 
     std::map<std::string_view, gl::Timer> timers;
     for (const Pass& pass : live) {

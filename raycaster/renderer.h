@@ -15,6 +15,7 @@ struct PassReport {
     std::string name;
     bool ran = false;
     std::string asked_by;           // passes that read its image, "output" if it was requested
+    std::string drawn_by;           // another pass that writes its image on the way
     double milliseconds = 0;        // of the last frame
     std::int64_t texture_bytes = 0; // of the image it writes
 };

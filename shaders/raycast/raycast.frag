@@ -36,7 +36,15 @@ uniform mat3 u_world_from_index;
 uniform vec3 u_extent_lo;
 uniform vec3 u_extent_hi;
 
-out vec4 o_hit; // eye-relative position [world], object (0: none)
+layout(location = 0) out vec4 o_hit; // eye-relative position [world], object (0: none)
+#if HAS_GRADIENT
+// What raycast/derivatives.frag would find: here the hit's block is known, and reading hits again is
+// saved.
+layout(location = 1) out vec4 o_gradient;
+uniform mat3 u_index_from_world;
+uniform vec3 u_eye_local;
+uniform float u_world_from_stored;
+#endif
 
 void main() {
     o_hit = vec4(0.0);
@@ -104,6 +112,17 @@ void main() {
         }
         is_marching = search.is_on || is_seeking;
     }
+#if HAS_GRADIENT
+    o_gradient = vec4(0.0);
+    bool is_to_do = o_hit.w != 0.0;
+    while (is_to_do) { // a loop for a condition: see derivatives.frag
+        vec3 p_local = u_eye_local + u_index_from_world * o_hit.xyz;
+        Cell c = cell_of(b.address, b.scale, p_local - (u_table_lo + b.lo));
+        vec3 gradient_index = u_world_from_stored * (b.scale * tricubic_gradient(c.address, c.a));
+        o_gradient = vec4(transpose(u_index_from_world) * gradient_index, 1.0);
+        is_to_do = b.scale < 0.0; // never
+    }
+#endif
 #if IS_STREAMED
     set_progress(is_waiting ? way.i << 2 | int(side) + 1 : is_finished);
     if (is_waiting) discard;

@@ -67,14 +67,15 @@ struct Traversals : testing::Test {
     Renderer renderer{*context, shader_folder};
 
     std::vector<Image> draw(const Scene& scene, const std::vector<Camera>& views, int width = 61,
-                            int height = 47) {
+                            int height = 47, const ImageSet& images = {FrameImage::Hit}) {
         renderer.load(scene);
-        std::vector<Image> hits;
+        std::vector<Image> pictures;
         for (const Camera& camera : views) {
-            renderer.draw(camera, width, height, {FrameImage::Hit});
-            hits.push_back(renderer.read(FrameImage::Hit));
+            renderer.draw(camera, width, height, images);
+            for (const FrameImage image : {FrameImage::Hit, FrameImage::Gradient})
+                if (images.contains(image)) pictures.push_back(renderer.read(image));
         }
-        return hits;
+        return pictures;
     }
 };
 
@@ -107,6 +108,26 @@ TEST_F(Traversals, GiveThePictureOfListsToTheLastBit) {
         }
     }
     EXPECT_GT(compared, 10000);
+}
+
+/// Drawn blocks have a pass for gradients, the others find them with the hits.
+TEST_F(Traversals, GiveTheSameGradients) {
+    Random random(14);
+    for (const HardField& field : test::hard_fields(field_size, 9)) {
+        const GridSpace space = spaces()[1];
+        const std::vector<Camera> views = cameras(space, random);
+        const auto gradients = [&](Traversal traversal) {
+            return draw({.field = placed(field, space),
+                         .filter = Filter::BSpline,
+                         .quality = {.traversal = traversal, .guarantee_voxels = 0.1}},
+                        views, 61, 47, {FrameImage::Hit, FrameImage::Gradient});
+        };
+        const std::vector<Image> apart = gradients(Traversal::DrawnBlocks);
+        const std::vector<Image> fused = gradients(Traversal::TileLists);
+        ASSERT_EQ(apart.size(), 2 * views.size());
+        for (std::size_t i = 0; i < apart.size(); ++i)
+            EXPECT_EQ(apart[i].rgba, fused[i].rgba) << field.name << ", image " << i;
+    }
 }
 
 TEST_F(Traversals, GiveThePictureOfListsForSampledRays) {

@@ -89,14 +89,17 @@ TEST(Render, JsonHasTheDocumentedKeys) {
     EXPECT_EQ(json["bricks"]["active"], json["bricks"]["resident"]);
     EXPECT_GT(json["seconds"]["total"], 0.0);
     ASSERT_FALSE(json["passes"].empty());
+    std::size_t with_a_program = 0;
     for (const Json& pass : json["passes"]) {
-        for (const char* key : {"name", "ms", "bytes", "asked_by"})
+        for (const char* key : {"name", "ms", "bytes", "asked_by", "drawn_by"})
             EXPECT_TRUE(pass.contains(key)) << key;
         EXPECT_GT(pass["bytes"], 0);
         EXPECT_FALSE(pass["asked_by"].get<std::string>().empty());
+        EXPECT_EQ(pass["drawn_by"], pass["name"] == "gradient" ? "raycast" : "");
+        with_a_program += pass["drawn_by"] == "";
     }
     EXPECT_EQ(json["passes"].back()["asked_by"], "output");
-    EXPECT_EQ(json["programs"], json["passes"].size());
+    EXPECT_EQ(json["programs"], with_a_program);
 }
 
 TEST(Render, ExplainNamesEveryPass) {

@@ -26,7 +26,7 @@ Eigen::Matrix4d camera_from_world(const Camera& camera) {
 Eigen::Matrix4d ndc_from_camera(const Camera& camera, double aspect) {
     Eigen::Matrix4d matrix = Eigen::Matrix4d::Zero();
     if (camera.projection == Projection::Perspective) {
-        const double tan_y = std::tan(camera.fov_y_degrees * std::numbers::pi / 360);
+        const double tan_y = camera.half_height_at(1);
         matrix(0, 0) = 1 / (tan_y * aspect);
         matrix(1, 1) = 1 / tan_y;
         matrix(2, 3) = -1; // -1 / distance

@@ -42,6 +42,20 @@ std::uint32_t packed_place(const Index3& block) {
            static_cast<std::uint32_t>(block.z()) << 22;
 }
 
+/// What certifies steps through the block, in stored units.
+///
+/// greatest_stored  of the samples. "No bound" is a great number that shaders multiply by them:
+///                  finite still
+void set_certificate(BlockRecord& record, const Certificate& bounds, float stored_from_world,
+                     float greatest_stored) {
+    record.slope = bounds.slope * stored_from_world;
+    record.bend = bounds.bend < no_bend ? bounds.bend * stored_from_world
+                                        : no_bend / std::max(1.0F, greatest_stored);
+    record.near = bounds.near * stored_from_world;
+    record.parts_lo = static_cast<std::uint32_t>(bounds.parts);
+    record.parts_hi = static_cast<std::uint32_t>(bounds.parts >> 32);
+}
+
 /// throws  ResourceError if the table is larger than packed_place can say
 void check_extent(const BlockTable& table) {
     const Index3 extent = page_blocks * table.pages;
@@ -276,12 +290,8 @@ BrickPool::BrickPool(const CoarseBricks& coarse, const BlockRanges& ranges,
                 }
                 layout.store(codes.data(), level, out);
             }
-            const Certificate bounds = certify_coarse_block(std::move(samples), block, level);
-            records[i].slope = bounds.slope * stored_from_world;
-            records[i].bend = bounds.bend * stored_from_world;
-            records[i].near = bounds.near * stored_from_world;
-            records[i].parts_lo = static_cast<std::uint32_t>(bounds.parts);
-            records[i].parts_hi = static_cast<std::uint32_t>(bounds.parts >> 32);
+            set_certificate(records[i], certify_coarse_block(std::move(samples), block, level),
+                            stored_from_world, codec_.greatest_stored());
         });
     });
     records_ = gl::Buffer(std::as_bytes(std::span(records)), "block records");
@@ -326,17 +336,10 @@ void BrickPool::store(std::span<const int> bricks, const std::function<std::byte
                               page_samples, page_samples * page_samples, kernel_);
             auto record = std::bit_cast<BlockRecord>(block_records_[block]);
             const Brick& brick = bricks_[static_cast<std::size_t>(brick_of_block_[block])];
-            record.slope = bounds.slope * stored_from_world;
-            // "No bound" is a great number that the shader multiplies by values: finite still.
-            record.bend = bounds.bend < no_bend
-                              ? bounds.bend * stored_from_world
-                              : no_bend / std::max(1.0F, codec_.greatest_stored());
-            record.near = bounds.near * stored_from_world;
+            set_certificate(record, bounds, stored_from_world, codec_.greatest_stored());
             record.scale = 1;
             record.address =
                 static_cast<std::int32_t>(first_texel(brick) + layout_.address_in_brick(at));
-            record.parts_lo = static_cast<std::uint32_t>(bounds.parts);
-            record.parts_hi = static_cast<std::uint32_t>(bounds.parts >> 32);
             block_records_[block] = std::bit_cast<RecordWords>(record);
         }
     });

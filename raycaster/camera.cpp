@@ -26,17 +26,22 @@ Mat3d Camera::view_from_world_rotation() const {
     return rotation;
 }
 
+double Camera::half_height_at(double depth) const {
+    return projection == Projection::Perspective
+               ? depth * std::tan(fov_y_degrees * std::numbers::pi / 360)
+               : height_world / 2;
+}
+
 Ray camera_ray(const Camera& camera, int width, int height, double x, double y) {
     const Mat3d world_from_view = camera.view_from_world_rotation().transpose();
     const double aspect = double(width) / height;
     const double ndc_x = 2 * x / width - 1;
     const double ndc_y = 1 - 2 * y / height;
+    const double half_height = camera.half_height_at(1);
     if (camera.projection == Projection::Perspective) {
-        const double tan_y = std::tan(camera.fov_y_degrees * std::numbers::pi / 360);
         return {camera.eye_world,
-                world_from_view * Vec3d(ndc_x * tan_y * aspect, ndc_y * tan_y, -1)};
+                world_from_view * Vec3d(ndc_x * half_height * aspect, ndc_y * half_height, -1)};
     }
-    const double half_height = camera.height_world / 2;
     return {camera.eye_world +
                 world_from_view * Vec3d(ndc_x * half_height * aspect, ndc_y * half_height, 0),
             world_from_view * Vec3d(0, 0, -1)};

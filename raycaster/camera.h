@@ -23,6 +23,8 @@ struct Camera {
     /// Rows: right, up, back (towards the viewer); orthonormal.
     /// throws  InputError if eye and target coincide or up lies along the view
     Mat3d view_from_world_rotation() const;
+    /// Half the height of the picture `depth` in front of the eye [world].
+    double half_height_at(double depth) const;
 };
 
 /// A ray in world space, not normalised: for a perspective camera it starts at the eye, for an

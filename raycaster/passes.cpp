@@ -36,12 +36,14 @@ gl::ProgramKey derivatives_program(std::map<std::string, std::string> defines, i
     return {{"common/tiles.vert", "raycast/derivatives.frag"}, std::move(defines)};
 }
 
+Vec3d eye_local(const Camera& camera, const GridSpace& space, const Index3& local_origin_index) {
+    return space.to_index(camera.eye_world) - local_origin_index.cast<double>();
+}
+
 /// Columns (constant, d/dx, d/dy) of the affine map from gl_FragCoord to view space at `depth` in
 /// front of the eye; gl_FragCoord has its origin at the bottom left.
 Mat3d view_point_coefficients(const Camera& camera, int width, int height, double depth) {
-    const double half_height = camera.projection == Projection::Perspective
-                                   ? depth * std::tan(camera.fov_y_degrees * std::numbers::pi / 360)
-                                   : camera.height_world / 2;
+    const double half_height = camera.half_height_at(depth);
     const double half_width = half_height * width / height;
     Mat3d columns;
     columns.col(0) = Vec3d(-half_width, -half_height, -depth);
@@ -74,15 +76,13 @@ void set_face_uniforms(const gl::Program& program, const FrameContext& frame) {
     const Camera& camera = frame.camera;
     const GridSpace& space = frame.scene.field->space();
     const bool is_perspective = camera.projection == Projection::Perspective;
-    const double half_height = is_perspective
-                                   ? std::tan(camera.fov_y_degrees * std::numbers::pi / 360)
-                                   : camera.height_world / 2;
+    const double half_height = camera.half_height_at(1);
     const Mat3d rotation = camera.view_from_world_rotation();
     const Mat3d view_from_index = rotation * space.world_from_index.linear();
     const Vec3d offset_view =
         rotation *
         (space.to_world(frame.field.local_origin_index().cast<double>()) - camera.eye_world);
-    Eigen::Matrix<double, 4, 4> clip_from_view = Eigen::Matrix4d::Zero();
+    Eigen::Matrix4d clip_from_view = Eigen::Matrix4d::Zero();
     clip_from_view(0, 0) = frame.height / (half_height * frame.width);
     clip_from_view(1, 1) = 1 / half_height;
     // Depth is not looked at: faces are clipped where they reach behind the eye alone.
@@ -172,9 +172,7 @@ void draw_blocks(const FrameContext& frame, FrameImage image, const gl::Program&
     const GridSpace& space = frame.scene.field->space();
     Eigen::Vector4d eye;
     if (frame.camera.projection == Projection::Perspective)
-        eye << space.to_index(frame.camera.eye_world) -
-                   frame.field.local_origin_index().cast<double>(),
-            1;
+        eye << eye_local(frame.camera, space, frame.field.local_origin_index()), 1;
     else
         eye << -(space.world_from_index.linear().inverse() * forward).normalized(), 0;
     program.set("u_eye", Eigen::Vector4f(eye.cast<float>()));
@@ -203,11 +201,11 @@ void draw_field(FrameContext& frame, FieldOnGpu& field, FrameImage image,
 void set_hit_uniforms(const gl::Program& program, const FrameContext& frame,
                       const FieldOnGpu& field) {
     const GridSpace& space = frame.scene.field->space();
-    const Vec3d eye_local =
-        space.to_index(frame.camera.eye_world) - field.local_origin_index().cast<double>();
     program.set("u_index_from_world",
                 Eigen::Matrix3f(space.world_from_index.linear().inverse().cast<float>()));
-    program.set("u_eye_local", Eigen::Vector3f(eye_local.cast<float>()));
+    program.set(
+        "u_eye_local",
+        Eigen::Vector3f(eye_local(frame.camera, space, field.local_origin_index()).cast<float>()));
 }
 
 void run_bounds(FrameContext& frame) {
@@ -382,7 +380,6 @@ RayCoefficients ray_coefficients(const Camera& camera, int width, int height,
                                  const GridSpace& space, const Index3& local_origin_index) {
     const Mat3d rotation = camera.view_from_world_rotation();
     const Mat3d index_from_view = space.world_from_index.linear().inverse() * rotation.transpose();
-    const Vec3d eye_local = space.to_index(camera.eye_world) - local_origin_index.cast<double>();
     // The plane passes through the object's middle; if that lies behind the eye or at it, a plane
     // one voxel away serves, since the eye is then inside the object and coordinates are small.
     const double depth = std::max(
@@ -391,7 +388,7 @@ RayCoefficients ray_coefficients(const Camera& camera, int width, int height,
     RayCoefficients ray;
     ray.from_eye = index_from_view * view_point_coefficients(camera, width, height, depth);
     ray.point = ray.from_eye;
-    ray.point.col(0) += eye_local;
+    ray.point.col(0) += eye_local(camera, space, local_origin_index);
     ray.vector = index_from_view * view_vector_coefficients(camera, width, height, depth);
     return ray;
 }

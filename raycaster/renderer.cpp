@@ -166,15 +166,16 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
         });
 
     FrameReport report;
-    targets_.hit_and_gradient = {};
     for (const Pass& pass : declared) {
         gl::Texture& texture = targets_.texture(pass.writes);
         const bool is_live =
             std::ranges::any_of(live, [&](const Pass& other) { return other.name == pass.name; });
         if (!is_live) {
+            if (!texture.is_empty()) targets_.hit_and_gradient = {};
             targets_.framebuffer(pass.writes) = {};
             texture = {};
         } else if (texture.is_empty() || texture.width() != width || texture.height() != height) {
+            targets_.hit_and_gradient = {};
             targets_.framebuffer(pass.writes) = {};
             texture = {};
             texture =
@@ -186,7 +187,7 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
                                  is_fused ? "raycast" : "", 0, texture.byte_count()});
         report.image_bytes += texture.byte_count();
     }
-    if (frame.has_fused_gradient)
+    if (frame.has_fused_gradient && targets_.hit_and_gradient.id() == 0)
         targets_.hit_and_gradient = gl::Framebuffer(
             {&targets_.texture(FrameImage::Hit), &targets_.texture(FrameImage::Gradient)},
             "hit and gradient");

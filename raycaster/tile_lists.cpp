@@ -32,10 +32,7 @@ public:
         const Mat3d rotation = camera.view_from_world_rotation();
         view_from_index_ = rotation * space.world_from_index.linear();
         offset_view_ = rotation * (space.world_from_index.translation() - camera.eye_world);
-        const double half_height = is_perspective_
-                                       ? std::tan(camera.fov_y_degrees * std::numbers::pi / 360)
-                                       : camera.height_world / 2;
-        tiles_per_unit_ = height / 2.0 / half_height / tile_pixels;
+        tiles_per_unit_ = height / 2.0 / camera.half_height_at(1) / tile_pixels;
         eye_block_ = (space.to_index(camera.eye_world) / block_size).array().floor().matrix();
         const Vec3d forward_index = view_from_index_.inverse() * Vec3d(0, 0, -1);
         forward_sign_ = forward_index.array().sign().matrix();

@@ -27,8 +27,7 @@ public:
     Wireframe(Image& picture, const Image& hits, const Camera& camera)
         : picture_(picture), hits_(hits), camera_(camera),
           view_from_world_(camera.view_from_world_rotation()),
-          pixels_per_unit_(picture.height / 2.0 /
-                           std::tan(camera.fov_y_degrees * std::numbers::pi / 360)) {}
+          pixels_per_unit_(picture.height / 2.0 / camera.half_height_at(1)) {}
 
     void draw_box(const GridSpace& space, const Vec3d& lo_index, double edge, const Vec3d& colour) {
         for (int axis = 0; axis < 3; ++axis) {

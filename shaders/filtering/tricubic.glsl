@@ -63,23 +63,29 @@ vec2 tricubic_value_and_slope(int address, vec3 a, vec3 d) {
     return vec2(value - SAMPLE_ZERO, slope);
 }
 
+// Weights along each axis, and those of first derivatives [1/cell].
+struct Weights {
+    vec4 x, y, z;
+    vec4 dx, dy, dz;
+};
+
+Weights weights_at(vec3 a) {
+    return Weights(kernel_weights(a.x), kernel_weights(a.y), kernel_weights(a.z),
+                   kernel_weights_d1(a.x), kernel_weights_d1(a.y), kernel_weights_d1(a.z));
+}
+
 // Gradient [stored units/cell].
 vec3 tricubic_gradient(int address, vec3 a) {
-    vec4 wx = kernel_weights(a.x);
-    vec4 wy = kernel_weights(a.y);
-    vec4 wz = kernel_weights(a.z);
-    vec4 dx = kernel_weights_d1(a.x);
-    vec4 dy = kernel_weights_d1(a.y);
-    vec4 dz = kernel_weights_d1(a.z);
+    Weights w = weights_at(a);
     vec3 gradient = vec3(0.0);
     for (int k = first_row; k < last_row; ++k) {
         vec3 plane = vec3(0.0); // d/dx, d/dy, value
         for (int j = first_row; j < last_row; ++j) {
             vec4 row = row_of_four(address + j * ROW_STRIDE + k * PLANE_STRIDE);
-            float along_x = dot(wx, row);
-            plane += vec3(wy[j] * dot(dx, row), dy[j] * along_x, wy[j] * along_x);
+            float along_x = dot(w.x, row);
+            plane += vec3(w.y[j] * dot(w.dx, row), w.dy[j] * along_x, w.y[j] * along_x);
         }
-        gradient += vec3(wz[k], wz[k], dz[k]) * plane;
+        gradient += vec3(w.z[k], w.z[k], w.dz[k]) * plane;
     }
     return gradient;
 }
@@ -91,12 +97,7 @@ struct Derivatives {
 };
 
 Derivatives tricubic_derivatives(int address, vec3 a) {
-    vec4 wx = kernel_weights(a.x);
-    vec4 wy = kernel_weights(a.y);
-    vec4 wz = kernel_weights(a.z);
-    vec4 dx = kernel_weights_d1(a.x);
-    vec4 dy = kernel_weights_d1(a.y);
-    vec4 dz = kernel_weights_d1(a.z);
+    Weights w = weights_at(a);
     vec4 ddx = kernel_weights_d2(a.x);
     vec4 ddy = kernel_weights_d2(a.y);
     vec4 ddz = kernel_weights_d2(a.z);
@@ -108,20 +109,20 @@ Derivatives tricubic_derivatives(int address, vec3 a) {
         vec3 plane_second = vec3(0.0); // xx, yy, xy
         for (int j = first_row; j < last_row; ++j) {
             vec4 row = row_of_four(address + j * ROW_STRIDE + k * PLANE_STRIDE);
-            float value = dot(wx, row);
-            float first = dot(dx, row);
-            plane += vec3(wy[j] * first, dy[j] * value, wy[j] * value);
-            plane_second += vec3(wy[j] * dot(ddx, row), ddy[j] * value, dy[j] * first);
+            float value = dot(w.x, row);
+            float first = dot(w.dx, row);
+            plane += vec3(w.y[j] * first, w.dy[j] * value, w.y[j] * value);
+            plane_second += vec3(w.y[j] * dot(ddx, row), ddy[j] * value, w.dy[j] * first);
         }
-        gradient += vec3(wz[k], wz[k], dz[k]) * plane;
-        pure += vec3(wz[k] * plane_second.xy, ddz[k] * plane.z);
-        mixed += vec3(dz[k] * plane.yx, wz[k] * plane_second.z);
+        gradient += vec3(w.z[k], w.z[k], w.dz[k]) * plane;
+        pure += vec3(w.z[k] * plane_second.xy, ddz[k] * plane.z);
+        mixed += vec3(w.dz[k] * plane.yx, w.z[k] * plane_second.z);
     }
     return Derivatives(gradient, mat3(pure.x, mixed.z, mixed.y, mixed.z, pure.y, mixed.x, mixed.y,
                                       mixed.x, pure.z));
 }
 
-// The same two by the fewest fetches, for what may err by fetch_error() of a slope bound [1/cell].
+// Value and slope, and gradient, by the fewest fetches, for what may err by fetch_error() of a slope bound [1/cell].
 #if FETCH == 2 && KERNEL != 2 // Catmull-Rom's weights have both signs
 #include "filtering/linear_fetches.glsl"
 #else

@@ -1,7 +1,7 @@
 // The block of a fragment: blocks are drawn, those of equal order at a time, the nearest first
 // (thesis section 6.3.2).
 // SPDX-License-Identifier: MPL-2.0
-// twin  raycaster/traversal.h
+// twin  raycaster/tile_lists.h: BlockOrder
 #include "raycast/field.glsl"
 
 layout(binding = 5) uniform sampler2D t_hits; // of the blocks that were drawn before
@@ -13,7 +13,7 @@ struct Way {
 };
 
 Way first_block(vec3 place, vec3 d, vec3 inverse, uint start_word, vec3 start, inout float side,
-                inout vec2 range) {
+                vec2 range) {
     // Each fragment is on its own, and the block of the ray's first look may not be its block.
     if (side == 0.0) {
         vec3 p_local = start + (first_look(range.x) - range.x) * d;

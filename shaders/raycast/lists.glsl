@@ -13,7 +13,7 @@ struct Way {
 };
 
 Way first_block(vec3 place, vec3 d, vec3 inverse, uint start_word, vec3 start, inout float side,
-                inout vec2 range) {
+                vec2 range) {
     ivec2 tile = ivec2(gl_FragCoord.xy) >> 2;
     ivec2 list = texelFetch(t_tiles, tile.x + u_tile_columns * tile.y).rg;
     return Way(list.x, range.x < range.y ? list.x + list.y : list.x);

@@ -1,7 +1,7 @@
 // First hit of each ray with the isosurface: block by block, the nearest first (thesis sections
 // 6.3.1-6.3.4).
 // SPDX-License-Identifier: MPL-2.0
-// twin  raycaster/traversal.h
+// twin  raycaster/scene.h: Traversal
 #version 450 core
 #include "common/ray.glsl"
 // Here, since a file is included once, also where #if leaves it out.

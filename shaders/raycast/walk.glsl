@@ -59,7 +59,7 @@ Way walk(Way way, bool is_leaving, vec3 place, vec3 d, vec3 inverse) {
 }
 
 Way first_block(vec3 place, vec3 d, vec3 inverse, uint start_word, vec3 start, inout float side,
-                inout vec2 range) {
+                vec2 range) {
 #if TRAVERSAL == 2
     vec2 bounds = texelFetch(t_bounds, ivec2(gl_FragCoord.xy), 0).rg;
     // From an active block the ray starts without a face.

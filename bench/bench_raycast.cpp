@@ -275,7 +275,7 @@ int main(int argc, char** argv) {
     app.add_option("--peers", peers, "openvdb, embree; vtk, teem: minutes")->delimiter(',');
     app.add_option(
         "--only", only,
-        "A section: frames, first, storage, guarantee, filters, coarse, accuracy, fetches, "
+        "A section: frames, first, storage, guarantee, filters, sizes, coarse, accuracy, fetches, "
         "rate, iso; of the "
         "thesis: table-6.1, table-6.2, silhouettes");
     app.add_option("--figures", figure_folder, "Folder for figures 6.3 and 6.8 of the thesis");
@@ -326,6 +326,19 @@ int main(int argc, char** argv) {
         section("storage", "Storage", storage_cases(field));
         section("guarantee", "Guarantee", guarantee_cases(field));
         section("filters", "Filters", filter_cases(field));
+    }
+    if (mesh && asked("sizes")) {
+        for (const int n : {256, 512, 1024, 2048}) {
+            const auto field = field_of(*mesh, n);
+            std::vector<DrawCase> cases;
+            for (const Fetch fetch : {Fetch::Rows, Fetch::Samples})
+                cases.push_back({fmt::format("{}, float16", fetch_name(fetch)),
+                                 {.field = field,
+                                  .storage = {.fetch = fetch, .format = SampleFormat::Float16}}});
+            print_cases(fmt::format("Sizes, {}^3 @ {}^2", n, size).c_str(), cases,
+                        draw_in_turns(renderer, cases, camera_of(scene_of_the_table(*field, n)),
+                                      size, std::min(repeats, 3)));
+        }
     }
     if (mesh && asked("coarse")) {
         const auto field = field_of(*mesh, resolution);

@@ -179,6 +179,19 @@ Texture Texture::image(Format format, int width, int height, std::string_view la
     return {GL_TEXTURE_2D, format, width, height, 1, label};
 }
 
+Texture Texture::picture(Format format, int width, int height, std::span<const float> rgba,
+                         Wrap wrap, std::string_view label) {
+    assert(rgba.size() == 4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    Texture texture(GL_TEXTURE_2D, format, width, height, 1, label);
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+    glTextureSubImage2D(texture.id(), 0, 0, 0, width, height, GL_RGBA, GL_FLOAT, rgba.data());
+    glTextureParameteri(texture.id(), GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glTextureParameteri(texture.id(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    if (wrap != Wrap::Clamp) glTextureParameteri(texture.id(), GL_TEXTURE_WRAP_S, GL_REPEAT);
+    if (wrap == Wrap::Repeat) glTextureParameteri(texture.id(), GL_TEXTURE_WRAP_T, GL_REPEAT);
+    return texture;
+}
+
 Texture Texture::volume(Format format, int width, int height, int depth, Filter filter,
                         std::string_view label) {
     Texture texture(GL_TEXTURE_3D, format, width, height, depth, label);

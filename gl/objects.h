@@ -94,12 +94,18 @@ private:
 };
 
 enum class Filter { Nearest, Linear };
+enum class Wrap { Clamp, RepeatX, Repeat };
 
 /// An immutable 2D or 3D texture with one level, clamped to its edge.
 class Texture {
 public:
     Texture() = default;
     static Texture image(Format format, int width, int height, std::string_view label);
+    /// A linearly filtered 2D texture with contents.
+    ///
+    /// rgba  4 floats a texel, x fastest
+    static Texture picture(Format format, int width, int height, std::span<const float> rgba,
+                           Wrap wrap, std::string_view label);
     static Texture volume(Format format, int width, int height, int depth, Filter filter,
                           std::string_view label);
 

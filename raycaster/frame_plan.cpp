@@ -4,24 +4,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <stdexcept>
 
 namespace isocast {
 
 std::string_view name_of(FrameImage image) {
-    switch (image) {
-    case FrameImage::Bounds:
-        return "bounds";
-    case FrameImage::Hit:
-        return "hit";
-    case FrameImage::Gradient:
-        return "gradient";
-    case FrameImage::Curvature:
-        return "curvature";
-    case FrameImage::Beauty:
-        return "beauty";
-    }
-    throw std::logic_error("unknown frame image");
+    constexpr std::array<std::string_view, frame_image_count> names{
+        "bounds",     "hit",           "gradient",         "curvature",     "direction",
+        "shadow map", "solid texture", "curvature colour", "curvature map", "uncertainty",
+        "flow",       "accessibility", "occlusion",        "shadow",        "refraction",
+        "reflection", "ridges",        "contours",         "outlines",      "beauty"};
+    return names.at(static_cast<std::size_t>(image));
 }
 
 std::vector<Pass> live_passes(const std::vector<Pass>& declared, const ImageSet& wanted) {

@@ -16,9 +16,25 @@ enum class FrameImage {
     Hit,       // first hit: eye-relative position [world], object
     Gradient,  // gradient of the field at the hit [1/world * world], world axes
     Curvature, // principal curvatures k1 >= k2 [1/world], 0; 1, or 2 where the gradient vanishes
-    Beauty,    // shaded colour, linear
+    Direction, // principal direction, unit, world axes; how far the curvatures differ
+    ShadowMap, // first hits from the light
+    // What effects make. Layers: linear RGB, coverage.
+    SolidTexture,
+    CurvatureColour,
+    CurvatureMap,
+    Uncertainty,
+    Flow,
+    Accessibility,
+    Occlusion, // share of the sky that is seen
+    Shadow,    // share of the light that is seen, samples taken
+    Refraction,
+    Reflection,
+    Ridges,
+    Contours,
+    Outlines,
+    Beauty, // shaded colour, linear; coverage
 };
-inline constexpr int frame_image_count = 5;
+inline constexpr int frame_image_count = 20;
 
 std::string_view name_of(FrameImage image);
 

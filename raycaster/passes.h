@@ -1,117 +1,10 @@
-// The passes of a frame: GL programs and state for each (DESIGN section 4).
+// Every pass of a frame, from hits to beauty (DESIGN section 4).
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
-#include "gl/program.h"
-#include "raycaster/brick_pool.h"
-#include "raycaster/frame_plan.h"
-#include "raycaster/scene.h"
-#include "raycaster/tile_lists.h"
-
-#include <array>
+#include "raycaster/frame.h"
 
 namespace isocast {
-
-/// A scene's field on the GPU.
-class FieldOnGpu {
-public:
-    FieldOnGpu() = default;
-    /// coarse  what coarsen gave, if it did
-    /// throws  ResourceError if it does not fit
-    FieldOnGpu(const FieldSource& samples, const FieldSource& control, Kernel kernel,
-               const BlockRanges& ranges, const std::vector<ActivePage>& active, float iso,
-               const StorageOptions& storage, const Progress& progress = {},
-               Traversal traversal = Traversal::TileLists, const CoarseBricks* coarse = nullptr);
-
-    /// Local coordinates are index coordinates minus this, a corner of a page near the middle of
-    /// the active ones, so that float coordinates stay small.
-    const Index3& local_origin_index() const { return local_origin_index_; }
-    const BrickPool& pool() const { return pool_; }
-    std::int64_t byte_count() const {
-        return table_.byte_count() + faces_.byte_count() + pool_.byte_count();
-    }
-    int block_count() const { return block_count_; }
-    /// With Traversal::BoundingFaces the faces around active blocks, else none.
-    int face_count() const { return static_cast<int>(faces_.byte_count() / 8); }
-    void bind_faces(unsigned unit) const { faces_texture_.bind_to_unit(unit); }
-
-    BrickPool& pool() { return pool_; }
-
-    /// Binds the textures and sets the uniforms of shaders/raycast/blocks.glsl.
-    void bind(const gl::Program& program) const;
-    /// Those that fetch_block needs alone.
-    void bind_blocks(const gl::Program& program) const;
-
-private:
-    Index3 local_origin_index_ = Index3::Zero();
-    Index3 table_lo_ = Index3::Zero();
-    Index3 table_pages_ = Index3::Ones();
-    int block_count_ = 0;
-    gl::Buffer table_;
-    gl::BufferTexture table_texture_;
-    gl::Buffer faces_; // two integers each
-    gl::BufferTexture faces_texture_;
-    BrickPool pool_;
-};
-
-/// The images of a frame; only those that a live pass writes exist.
-struct FrameTargets {
-    std::array<gl::Texture, frame_image_count> textures;
-    std::array<gl::Framebuffer, frame_image_count> framebuffers;
-    gl::Framebuffer hit_and_gradient; // where one pass writes both
-
-    gl::Texture& texture(FrameImage image) { return textures[static_cast<std::size_t>(image)]; }
-    gl::Framebuffer& framebuffer(FrameImage image) {
-        return framebuffers[static_cast<std::size_t>(image)];
-    }
-};
-
-/// Numbers that shaders read as an array of texels.
-struct NumbersOnGpu {
-    NumbersOnGpu() = default;
-    NumbersOnGpu(std::span<const std::byte> numbers, gl::Format format, std::string_view label)
-        : buffer(numbers, label), texture(buffer, format, label) {}
-
-    gl::Buffer buffer;
-    gl::BufferTexture texture;
-};
-
-/// Where a frame looks for the field: tiles of the picture, and what its traversal needs.
-struct PlacesOnGpu {
-    PlacesOnGpu() = default;
-    /// Finds them for a camera.
-    PlacesOnGpu(Traversal traversal, const BlockRanges& ranges,
-                const std::vector<ActivePage>& active, const GridSpace& space, const Camera& camera,
-                int width, int height);
-
-    NumbersOnGpu runs; // of tiles that can show something, along x
-    int run_count = 0;
-    // Traversal::TileLists
-    int columns = 0;
-    NumbersOnGpu lists;
-    NumbersOnGpu blocks;
-    // Traversal::DrawnBlocks
-    NumbersOnGpu order;
-    std::vector<std::int32_t> layers; // where each starts in `order`, and their end
-};
-
-/// What every pass of a frame sees.
-struct FrameContext {
-    gl::ShaderLibrary& shaders;
-    const gl::VertexArray& no_vertices;
-    const Scene& scene;
-    FieldOnGpu& field;
-    FieldOnGpu& derivative_field; // of the same blocks; `field` where control samples are shared
-    const PlacesOnGpu& places;
-    const Camera& camera;
-    int width;
-    int height;
-    FrameTargets& targets;
-    bool has_fused_gradient = false; // the pass "raycast" writes gradients too
-
-    /// Whether it can: with all bricks at hand, of one filter, and pixels that are drawn once.
-    bool can_fuse_gradient() const;
-};
 
 /// Every pass there is, in dataflow order. They refer to `frame`, which must outlive them.
 std::vector<Pass> declare_passes(FrameContext& frame);
@@ -119,18 +12,5 @@ std::vector<Pass> declare_passes(FrameContext& frame);
 /// Every program that the passes can ask for, up to its strides; for the test that compiles them
 /// all.
 std::vector<gl::ProgramKey> all_programs();
-
-/// The format of each frame image.
-gl::Format format_of(FrameImage image);
-
-/// Coefficients of shaders/common/ray.glsl, computed in double: columns are the constant and the
-/// derivatives by gl_FragCoord's x and y.
-struct RayCoefficients {
-    Mat3d point;    // local index coordinates of a point on a plane through the object
-    Mat3d vector;   // from the ray's start to that point [voxels]
-    Mat3d from_eye; // from the eye to that point [voxels]
-};
-RayCoefficients ray_coefficients(const Camera& camera, int width, int height,
-                                 const GridSpace& space, const Index3& local_origin_index);
 
 } // namespace isocast

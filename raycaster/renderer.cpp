@@ -2,6 +2,8 @@
 #include "raycaster/renderer.h"
 
 #include "gl/timer.h"
+#include "raycaster/field_passes.h"
+#include "raycaster/passes.h"
 #include "volume/errors.h"
 
 #include <fmt/format.h>
@@ -30,6 +32,15 @@ BlockRanges with_samples_of(const FieldSource& control, BlockRanges ranges,
     return ranges;
 }
 
+/// throws  InputError
+void check_look(const Look& look) {
+    if (look.lights.size() > max_light_count)
+        throw InputError(fmt::format("{} lights: {} at most", look.lights.size(), max_light_count));
+    if (std::ranges::count_if(look.lights,
+                              [](const Light& light) { return light.shadow != Shadow::None; }) > 1)
+        throw InputError("one light at most casts shadows");
+}
+
 } // namespace
 
 Renderer::Renderer(gl::Context& context, const std::filesystem::path& shader_folder)
@@ -48,6 +59,7 @@ void Renderer::load(Scene scene, const Progress& progress) {
         (scene.storage.fetch == Fetch::Linear ||
          scene.derivative_filter.value_or(scene.filter) != scene.filter))
         throw InputError("coarse bricks cannot be fetched linearly, nor have a derivative filter");
+    check_look(scene.look);
     // The old field goes first, so that both are never in memory.
     field_ = {};
     moving_.reset();
@@ -60,6 +72,7 @@ void Renderer::load(Scene scene, const Progress& progress) {
     ranges_ = find_block_ranges(*control_, kernel_of(scene.filter), progress);
     coarse_.reset();
     scene_ = std::move(scene);
+    look_textures_ = {};
     const float iso = static_cast<float>(scene_.iso_world);
     active_ = active_pages(ranges_, iso);
     active_ = active_pages(ranges_, iso, error_of_storage());
@@ -68,6 +81,12 @@ void Renderer::load(Scene scene, const Progress& progress) {
                           progress);
     if (coarse_) control_ = coarse_->field;
     upload(progress);
+}
+
+void Renderer::set_look(Look look) {
+    check_look(look);
+    scene_.look = std::move(look);
+    look_textures_ = {};
 }
 
 void Renderer::set_iso(double iso_world) {
@@ -155,17 +174,25 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
     const PlacesOnGpu places(scene_.quality.traversal, ranges_, active_, scene_.field->space(),
                              camera, width, height);
     const bool has_derivative_field = derivative_field_.byte_count() > 0;
-    FrameContext frame{
-        shaders_, no_vertices_, scene_, field_, has_derivative_field ? derivative_field_ : field_,
-        places,   camera,       width,  height, targets_};
+    FrameReport report;
+    FrameContext frame{shaders_,
+                       no_vertices_,
+                       scene_,
+                       field_,
+                       has_derivative_field ? derivative_field_ : field_,
+                       places,
+                       camera,
+                       width,
+                       height,
+                       targets_,
+                       look_textures_};
     const std::vector<Pass> declared = declare_passes(frame);
     const std::vector<Pass> live = live_passes(declared, wanted);
     frame.has_fused_gradient =
-        frame.can_fuse_gradient() && std::ranges::any_of(live, [](const Pass& pass) {
+        can_fuse_gradient(frame) && std::ranges::any_of(live, [](const Pass& pass) {
             return pass.writes == FrameImage::Gradient;
         });
 
-    FrameReport report;
     for (const Pass& pass : declared) {
         gl::Texture& texture = targets_.texture(pass.writes);
         const bool is_live =
@@ -205,6 +232,8 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
         if (pass.ran) pass.milliseconds = timers.at(pass.name).milliseconds();
     report.programs_compiled = shaders_.compiled_program_count();
     report.field_bytes = field_.byte_count() + derivative_field_.byte_count();
+    report.notes = std::move(frame.notes);
+    report.look_bytes = look_textures_.byte_count();
     return report;
 }
 

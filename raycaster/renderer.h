@@ -5,8 +5,8 @@
 #include "filtering/active_set.h"
 #include "gl/context.h"
 #include "gl/program.h"
+#include "raycaster/frame.h"
 #include "raycaster/image.h"
-#include "raycaster/passes.h"
 
 namespace isocast {
 
@@ -26,6 +26,8 @@ struct FrameReport {
     int programs_compiled = 0;      // since the renderer was made
     std::int64_t image_bytes = 0;   // textures of frame images
     std::int64_t field_bytes = 0;   // atlas, reference texture and bounding geometry
+    std::int64_t look_bytes = 0;    // environments, colour maps, noise
+    std::vector<std::string> notes; // what was chosen for the user, like a colour map's range
 };
 
 /// Draws one scene with one context.
@@ -47,6 +49,11 @@ public:
     /// the digits that sums of f would lose.
     /// throws  as load
     void set_iso(double iso_world);
+
+    /// Changes how hits are shaded; the field stays.
+    /// throws  InputError if the look asks for what there is not
+    void set_look(Look look);
+    const Look& look() const { return scene_.look; }
 
     /// Corners of the box of the isosurface [world]; of the field's extent where there is none.
     /// Found when it is first asked for.
@@ -87,6 +94,7 @@ private:
     FieldOnGpu derivative_field_;
     mutable std::optional<IndexBox> surface_box_;
     FrameTargets targets_;
+    LookTextures look_textures_;
 };
 
 } // namespace isocast

@@ -1,9 +1,10 @@
-// What is drawn: a field, a light, a material, and how finely rays search.
+// What is drawn: a field, how finely rays search it, and how it looks.
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
 #include "raycaster/brick_pool.h"
 #include "raycaster/camera.h"
+#include "raycaster/look.h"
 #include "volume/field_source.h"
 
 #include <memory>
@@ -11,22 +12,6 @@
 #include <string_view>
 
 namespace isocast {
-
-/// Blinn-Phong coefficients; colours are linear RGB.
-struct Material {
-    Vec3d colour = Vec3d(0.72, 0.60, 0.42);
-    double ambient = 0.18;
-    double diffuse = 0.82;
-    double specular = 0.25;
-    double shininess = 40;
-};
-
-/// A light infinitely far away that moves with the camera.
-struct Light {
-    /// Towards the light, in view space: x right, y up, z to the viewer. Any length.
-    Vec3d direction_view = Vec3d(-0.35, 0.5, 1.0);
-    Vec3d colour = Vec3d(1, 1, 1);
-};
 
 /// How rays find the blocks to search, in order; the picture is the same (thesis sections 6.3.1,
 /// 6.3.2; docs/raycasting.md compares them).
@@ -59,10 +44,8 @@ struct Scene {
     /// Gradients by another filter than values (thesis section 6.4.4); by the same if empty.
     std::optional<Filter> derivative_filter;
     StorageOptions storage;
-    Material material;
-    Light light;
-    Vec3d background = Vec3d(0.93, 0.94, 0.95);
     Quality quality;
+    Look look;
 };
 
 } // namespace isocast

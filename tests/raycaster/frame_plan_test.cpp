@@ -18,7 +18,9 @@ struct Declared {
     PlacesOnGpu places;
     Camera camera;
     FrameTargets targets;
-    FrameContext frame{shaders, no_vertices, scene, field, field, places, camera, 1, 1, targets};
+    LookTextures look_textures;
+    FrameContext frame{shaders, no_vertices, scene, field,   field,        places,
+                       camera,  1,           1,     targets, look_textures};
     std::vector<Pass> passes = declare_passes(frame);
 };
 

@@ -1,6 +1,7 @@
 // All ways to the blocks of a ray give one picture, and so do all ways to store samples; the order
 // of tiles does not matter. SPDX-License-Identifier: MPL-2.0
 #include "hard_fields.h"
+#include "raycaster/passes.h"
 #include "raycaster/renderer.h"
 #include "volume/analytic_fields.h"
 #include "volume/errors.h"
@@ -228,8 +229,9 @@ Image drawn_in_order(const std::shared_ptr<const FieldSource>& field, const Came
     gl::Texture& hit = targets.texture(FrameImage::Hit);
     hit = gl::Texture::image(format_of(FrameImage::Hit), width, height, "hit");
     targets.framebuffer(FrameImage::Hit) = gl::Framebuffer({&hit}, "hit");
-    FrameContext frame{shaders, no_vertices, scene, on_gpu, on_gpu,
-                       places,  camera,      width, height, targets};
+    LookTextures look_textures;
+    FrameContext frame{shaders, no_vertices, scene,  on_gpu,  on_gpu,       places,
+                       camera,  width,       height, targets, look_textures};
     for (const Pass& pass : live_passes(declare_passes(frame), {FrameImage::Hit})) pass.run();
     Image image{width, height, std::vector<float>(std::size_t{4} * width * height)};
     hit.read_rgba(image.rgba);

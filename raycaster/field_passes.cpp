@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: MPL-2.0
+#include "raycaster/field_passes.h"
+
+#include "gl/readback.h"
+
+#include <glad/gl.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace isocast {
+
+namespace {
+
+gl::ProgramKey raycast_program(std::map<std::string, std::string> defines, int search,
+                               Traversal traversal, bool has_gradient) {
+    defines.emplace("SEARCH", std::to_string(search));
+    defines.emplace("HAS_GRADIENT", has_gradient ? "1" : "0");
+    defines.emplace("TRAVERSAL", std::to_string(static_cast<int>(traversal)));
+    return {{traversal == Traversal::DrawnBlocks ? "raycast/drawn_block.vert" : "common/tiles.vert",
+             "raycast/raycast.frag"},
+            std::move(defines)};
+}
+
+gl::ProgramKey bounds_program(const BrickPool& pool) {
+    return {{"raycast/bounds.vert", "raycast/bounds.frag"}, pool.defines()};
+}
+
+gl::ProgramKey derivatives_program(std::map<std::string, std::string> defines, int order) {
+    defines.emplace("ORDER", std::to_string(order));
+    return {{"common/tiles.vert", "raycast/derivatives.frag"}, std::move(defines)};
+}
+
+RayCoefficients set_ray_uniforms(const gl::Program& program, const FrameContext& frame) {
+    const RayCoefficients ray =
+        ray_coefficients(frame.camera, frame.width, frame.height, frame.scene.field->space(),
+                         frame.field.local_origin_index());
+    program.set("u_ray_point", Eigen::Matrix3f(ray.point.cast<float>()));
+    program.set("u_ray_vector", Eigen::Matrix3f(ray.vector.cast<float>()));
+    return ray;
+}
+
+/// Of shaders/raycast/faces.glsl.
+void set_face_uniforms(const gl::Program& program, const FrameContext& frame) {
+    const Camera& camera = frame.camera;
+    const GridSpace& space = frame.scene.field->space();
+    const bool is_perspective = camera.projection == Projection::Perspective;
+    const double half_height = camera.half_height_at(1);
+    const Mat3d rotation = camera.view_from_world_rotation();
+    const Mat3d view_from_index = rotation * space.world_from_index.linear();
+    const Vec3d offset_view =
+        rotation *
+        (space.to_world(frame.field.local_origin_index().cast<double>()) - camera.eye_world);
+    Eigen::Matrix4d clip_from_view = Eigen::Matrix4d::Zero();
+    clip_from_view(0, 0) = frame.height / (half_height * frame.width);
+    clip_from_view(1, 1) = 1 / half_height;
+    // Depth is not looked at: faces are clipped where they reach behind the eye alone.
+    (is_perspective ? clip_from_view(3, 2) : clip_from_view(3, 3)) = is_perspective ? -1 : 1;
+    Eigen::Matrix4d view_from_local = Eigen::Matrix4d::Identity();
+    view_from_local.topLeftCorner<3, 3>() = view_from_index;
+    view_from_local.topRightCorner<3, 1>() = offset_view;
+    program.set("u_clip_from_local",
+                Eigen::Matrix4f((clip_from_view * view_from_local).cast<float>()));
+    // A 64th of a pixel at least; rasterisers keep a 256th.
+    const double voxels_per_world = space.world_from_index.linear().inverse().norm();
+    program.set("u_margin",
+                static_cast<float>(2 * half_height / frame.height / 64 * voxels_per_world));
+}
+
+/// draw_tiles again and again, with the bricks loaded that pixels wait for, until none waits.
+///
+/// Every pass ends with the bricks in the pool that the first waiting pixels need, so each of them
+/// gets at least one block further.
+void draw_streamed(FrameContext& frame, FieldOnGpu& field, FrameImage image,
+                   const gl::Program& program) {
+    BrickPool& pool = field.pool();
+    gl::Texture progress =
+        gl::Texture::image(gl::Format::R32i, frame.width, frame.height, "pixels' progress");
+    progress.clear(-1); // shaders/raycast/stream.glsl: not_started
+    const int block_count = field.block_count();
+    gl::ReadbackBuffer visits(std::int64_t{block_count} * 4, "visited blocks");
+    frame.targets.framebuffer(image).bind();
+    const Eigen::Vector4f empty = Eigen::Vector4f::Zero();
+    glClearBufferfv(GL_COLOR, 0, empty.data());
+    std::vector<int> used;
+    std::vector<int> missing;
+    do {
+        visits.clear();
+        visits.bind_to_storage(0);
+        progress.bind_as_image(0);
+        glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
+        draw_on_tiles(frame, program);
+        gl::Fence::after_all_commands().wait();
+        used.clear();
+        missing.clear();
+        for (int block = 0; block < block_count; ++block) {
+            std::uint32_t visit = 0;
+            std::memcpy(&visit, visits.data() + std::size_t{4} * static_cast<std::size_t>(block),
+                        sizeof(visit));
+            if (visit == 1) missing.push_back(block);
+            if (visit == 2) used.push_back(block);
+        }
+        if (!missing.empty()) pool.load(used, missing);
+    } while (!missing.empty());
+}
+
+/// Draws blocks layer by layer; shaders read the hits of the layers before.
+void draw_blocks(const FrameContext& frame, FrameImage image, const gl::Program& program) {
+    frame.targets.framebuffer(image).bind();
+    const Eigen::Vector4f empty = Eigen::Vector4f::Zero();
+    glClearBufferfv(GL_COLOR, 0, empty.data());
+    set_fixed_state();
+    set_face_uniforms(program, frame);
+    const Vec3d forward = frame.camera.view_from_world_rotation().transpose() * Vec3d(0, 0, -1);
+    const GridSpace& space = frame.scene.field->space();
+    Eigen::Vector4d eye;
+    if (frame.camera.projection == Projection::Perspective)
+        eye << eye_local(frame.camera, space, frame.field.local_origin_index()), 1;
+    else
+        eye << -(space.world_from_index.linear().inverse() * forward).normalized(), 0;
+    program.set("u_eye", Eigen::Vector4f(eye.cast<float>()));
+    frame.places.order.texture.bind_to_unit(3);
+    frame.targets.texture(image).bind_to_unit(5);
+    frame.no_vertices.bind();
+    program.use();
+    constexpr int vertices = 36;
+    const std::vector<std::int32_t>& layers = frame.places.layers;
+    for (std::size_t i = 0; i + 1 < layers.size(); ++i) {
+        glTextureBarrier();
+        glDrawArrays(GL_TRIANGLES, vertices * layers[i], vertices * (layers[i + 1] - layers[i]));
+    }
+}
+
+/// The pass of a program that reads the field, or that of derivatives.
+void draw_field(FrameContext& frame, FieldOnGpu& field, FrameImage image,
+                const gl::Program& program) {
+    if (field.pool().holds_all())
+        draw_tiles(frame, image, program, Eigen::Vector4f::Zero());
+    else
+        draw_streamed(frame, field, image, program);
+}
+
+/// Of shaders that go from hits to the field.
+void set_hit_uniforms(const gl::Program& program, const FrameContext& frame,
+                      const FieldOnGpu& field) {
+    const GridSpace& space = frame.scene.field->space();
+    program.set("u_index_from_world",
+                Eigen::Matrix3f(space.world_from_index.linear().inverse().cast<float>()));
+    program.set(
+        "u_eye_local",
+        Eigen::Vector3f(eye_local(frame.camera, space, field.local_origin_index()).cast<float>()));
+}
+
+} // namespace
+
+bool can_fuse_gradient(const FrameContext& frame) {
+    return &frame.derivative_field == &frame.field && frame.field.pool().holds_all() &&
+           frame.field.pool().fetch() != Fetch::Linear && // whose gradient may be another sum
+           frame.scene.quality.traversal != Traversal::DrawnBlocks &&
+           kernel_of(frame.scene.derivative_filter.value_or(frame.scene.filter)) ==
+               kernel_of(frame.scene.filter);
+}
+
+void run_bounds(FrameContext& frame) {
+    const gl::Program& program = frame.shaders.program(bounds_program(frame.field.pool()));
+    set_ray_uniforms(program, frame);
+    frame.field.bind_blocks(program);
+    set_face_uniforms(program, frame);
+    frame.field.bind_faces(3);
+    frame.targets.framebuffer(FrameImage::Bounds).bind();
+    constexpr float nowhere = 1e30F;
+    const std::array<float, 4> empty{nowhere, nowhere, 0, 0};
+    glClearBufferfv(GL_COLOR, 0, empty.data());
+    set_fixed_state();
+    glEnable(GL_BLEND);
+    glBlendEquation(GL_MIN);
+    frame.no_vertices.bind();
+    program.use();
+    glDrawArrays(GL_TRIANGLES, 0, 6 * frame.field.face_count());
+    glDisable(GL_BLEND);
+}
+
+void run_raycast(FrameContext& frame) {
+    const Quality& quality = frame.scene.quality;
+    const gl::ProgramKey key = raycast_program(frame.field.pool().defines(), quality.rate ? 1 : 0,
+                                               quality.traversal, frame.has_fused_gradient);
+    const gl::Program& program = frame.shaders.program(key);
+    const FieldSource& field = *frame.scene.field;
+    const RayCoefficients ray = set_ray_uniforms(program, frame);
+    frame.field.bind(program);
+    program.set("u_ray_from_eye", Eigen::Matrix3f(ray.from_eye.cast<float>()));
+    // A field with a band goes on beyond its extent as background; one without ends there.
+    constexpr float nowhere = 1e9F; // beyond any table
+    const auto local = [&](const Index3& index) {
+        return Eigen::Vector3f((index - frame.field.local_origin_index()).cast<float>());
+    };
+    const bool has_band = field.half_width_world().has_value();
+    program.set("u_extent_lo", has_band ? Eigen::Vector3f(Eigen::Vector3f::Constant(-nowhere))
+                                        : local(field.extent().lo));
+    program.set("u_extent_hi", has_band ? Eigen::Vector3f(Eigen::Vector3f::Constant(nowhere))
+                                        : local((field.extent().hi.array() - 1).matrix()));
+    if (quality.traversal == Traversal::TileLists) {
+        frame.places.lists.texture.bind_to_unit(3);
+        frame.places.blocks.texture.bind_to_unit(4);
+        program.set("u_tile_columns", frame.places.columns);
+    } else if (quality.traversal == Traversal::BoundingFaces) {
+        frame.targets.texture(FrameImage::Bounds).bind_to_unit(5);
+    }
+    const float stored_from_world = 1 / frame.field.pool().world_from_stored();
+    if (quality.rate) {
+        program.set("u_fine_step", static_cast<float>(1 / (*quality.rate * quality.rate_factor)));
+        program.set("u_fine_per_coarse", quality.rate_factor);
+        program.set("u_near",
+                    static_cast<float>(quality.near_voxels * field.space().voxel_size_world()) *
+                        stored_from_world);
+    } else {
+        program.set("u_guarantee", static_cast<float>(quality.guarantee_voxels));
+        // 2^-19: 32 roundings of a sum of 64 products, each of at most the greatest sample; 24 are
+        // the longest way through it.
+        program.set("u_value_error", 0x1p-19F * frame.field.pool().greatest_stored());
+    }
+    program.set("u_world_from_index",
+                Eigen::Matrix3f(field.space().world_from_index.linear().cast<float>()));
+    if (frame.has_fused_gradient) {
+        set_hit_uniforms(program, frame, frame.field);
+        program.set("u_world_from_stored", frame.field.pool().world_from_stored());
+        frame.targets.hit_and_gradient.bind();
+        const Eigen::Vector4f empty = Eigen::Vector4f::Zero();
+        for (const int attachment : {0, 1}) glClearBufferfv(GL_COLOR, attachment, empty.data());
+        draw_on_tiles(frame, program);
+    } else if (quality.traversal == Traversal::DrawnBlocks)
+        draw_blocks(frame, FrameImage::Hit, program);
+    else
+        draw_field(frame, frame.field, FrameImage::Hit, program);
+}
+
+void run_derivatives(FrameContext& frame, FrameImage image, int order) {
+    FieldOnGpu& field = frame.derivative_field;
+    gl::ProgramKey key = derivatives_program(field.pool().defines(), order);
+    const Kernel kernel = kernel_of(frame.scene.derivative_filter.value_or(frame.scene.filter));
+    key.defines["KERNEL"] = std::to_string(static_cast<int>(kernel));
+    const gl::Program& program = frame.shaders.program(key);
+    field.bind(program);
+    frame.targets.texture(FrameImage::Hit).bind_to_unit(3);
+    set_hit_uniforms(program, frame, field);
+    // Curvatures do not depend on the unit of values.
+    if (order == 1) program.set("u_world_from_stored", field.pool().world_from_stored());
+    draw_field(frame, field, image, program);
+}
+
+std::vector<gl::ProgramKey> field_programs() {
+    std::vector<gl::ProgramKey> keys{bounds_program({})};
+    std::vector<StorageOptions> storages{{.fetch = Fetch::Rows}, {.fetch = Fetch::Samples}};
+    for (const int fraction_bits : {0, 8})
+        for (const bool is_refined_exactly : {true, false})
+            storages.push_back({.fetch = Fetch::Linear,
+                                .fraction_bits = fraction_bits,
+                                .is_refined_exactly = is_refined_exactly});
+    for (const StorageOptions& storage : storages) {
+        for (const Kernel kernel : {Kernel::Linear, Kernel::BSpline, Kernel::CatmullRom}) {
+            // Strides and the zero of the samples are numbers, which no #if looks at: those of the
+            // default storage stand for all.
+            std::map<std::string, std::string> defines = fetch_defines(storage);
+            defines["KERNEL"] = std::to_string(static_cast<int>(kernel));
+            defines.merge(BrickPool().defines());
+            for (const int is_streamed : {0, 1}) {
+                defines["IS_STREAMED"] = std::to_string(is_streamed);
+                for (const int order : {1, 2}) keys.push_back(derivatives_program(defines, order));
+                for (const int search : {0, 1}) {
+                    for (const Traversal traversal : {Traversal::TileLists, Traversal::DrawnBlocks,
+                                                      Traversal::BoundingFaces, Traversal::Walk}) {
+                        // Renderer::load refuses the others.
+                        const bool is_default = search == 0 && traversal == Traversal::TileLists;
+                        if (is_streamed == 0 || is_default)
+                            keys.push_back(raycast_program(defines, search, traversal, false));
+                        if (is_streamed == 0 && traversal != Traversal::DrawnBlocks &&
+                            storage.fetch != Fetch::Linear)
+                            keys.push_back(raycast_program(defines, search, traversal, true));
+                    }
+                }
+            }
+        }
+    }
+    return keys;
+}
+
+} // namespace isocast

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MPL-2.0
+#include "raycaster/frame.h"
+
+#include <glad/gl.h>
+
+#include <algorithm>
+
+namespace isocast {
+
+void set_fixed_state() {
+    glDisable(GL_DEPTH_TEST);
+    glDisable(GL_CULL_FACE);
+    glDisable(GL_BLEND);
+}
+
+namespace {
+
+/// Columns (constant, d/dx, d/dy) of the affine map from gl_FragCoord to view space at `depth` in
+/// front of the eye; gl_FragCoord has its origin at the bottom left.
+Mat3d view_point_coefficients(const Camera& camera, int width, int height, double depth) {
+    const double half_height = camera.half_height_at(depth);
+    const double half_width = half_height * width / height;
+    Mat3d columns;
+    columns.col(0) = Vec3d(-half_width, -half_height, -depth);
+    columns.col(1) = Vec3d(2 * half_width / width, 0, 0);
+    columns.col(2) = Vec3d(0, 2 * half_height / height, 0);
+    return columns;
+}
+
+/// The same for the vectors that lead from the rays' starts to those points.
+Mat3d view_vector_coefficients(const Camera& camera, int width, int height, double depth) {
+    Mat3d columns = view_point_coefficients(camera, width, height, depth);
+    if (camera.projection == Projection::Orthographic) {
+        columns.setZero();
+        columns(2, 0) = -depth;
+    }
+    return columns;
+}
+
+/// Two triangles for each run of tiles.
+void draw_runs(const FrameContext& frame, const gl::Program& program, const NumbersOnGpu& runs,
+               int run_count) {
+    set_fixed_state();
+    frame.no_vertices.bind();
+    runs.texture.bind_to_unit(7);
+    program.set("u_clip_from_tile",
+                Eigen::Vector2f(2.0F * tile_pixels / static_cast<float>(frame.width),
+                                2.0F * tile_pixels / static_cast<float>(frame.height)));
+    program.use();
+    glDrawArrays(GL_TRIANGLES, 0, 6 * run_count);
+}
+
+} // namespace
+
+const gl::Texture& LookTextures::texture(const std::string& name,
+                                         const std::function<gl::Texture()>& make) {
+    auto found = textures_.find(name);
+    if (found == textures_.end()) found = textures_.emplace(name, make()).first;
+    return found->second;
+}
+
+std::int64_t LookTextures::byte_count() const {
+    std::int64_t bytes = 0;
+    for (const auto& [name, texture] : textures_) bytes += texture.byte_count();
+    return bytes;
+}
+
+void draw_on_tiles(const FrameContext& frame, const gl::Program& program) {
+    draw_runs(frame, program, frame.places.runs, frame.places.run_count);
+}
+
+void draw_tiles(const FrameContext& frame, FrameImage image, const gl::Program& program,
+                const Eigen::Vector4f& empty) {
+    frame.targets.framebuffer(image).bind();
+    glClearBufferfv(GL_COLOR, 0, empty.data());
+    draw_on_tiles(frame, program);
+}
+
+void draw_everywhere(const FrameContext& frame, FrameImage image, const gl::Program& program) {
+    frame.targets.framebuffer(image).bind();
+    const std::vector<Eigen::Vector4i> runs = whole_picture(frame.width, frame.height);
+    const NumbersOnGpu all{std::as_bytes(std::span(runs)), gl::Format::Rgba32i, "whole picture"};
+    draw_runs(frame, program, all, static_cast<int>(runs.size()));
+}
+
+RayCoefficients ray_coefficients(const Camera& camera, int width, int height,
+                                 const GridSpace& space, const Index3& local_origin_index) {
+    const Mat3d rotation = camera.view_from_world_rotation();
+    const Mat3d index_from_view = space.world_from_index.linear().inverse() * rotation.transpose();
+    // The plane passes through the object's middle; if that lies behind the eye or at it, a plane
+    // one voxel away serves, since the eye is then inside the object and coordinates are small.
+    const double depth = std::max(
+        -(rotation * (space.to_world(local_origin_index.cast<double>()) - camera.eye_world)).z(),
+        space.voxel_size_world());
+    RayCoefficients ray;
+    ray.from_eye = index_from_view * view_point_coefficients(camera, width, height, depth);
+    ray.point = ray.from_eye;
+    ray.point.col(0) += eye_local(camera, space, local_origin_index);
+    ray.vector = index_from_view * view_vector_coefficients(camera, width, height, depth);
+    return ray;
+}
+
+Mat3d world_vector_coefficients(const Camera& camera, int width, int height, double depth_world) {
+    return camera.view_from_world_rotation().transpose() *
+           view_vector_coefficients(camera, width, height, depth_world);
+}
+
+Vec3d eye_local(const Camera& camera, const GridSpace& space, const Index3& local_origin_index) {
+    return space.to_index(camera.eye_world) - local_origin_index.cast<double>();
+}
+
+gl::Format format_of(FrameImage image) {
+    switch (image) {
+    case FrameImage::Beauty:
+        return gl::Format::Rgba16f;
+    case FrameImage::Bounds:
+        return gl::Format::Rg32f;
+    default:
+        return gl::Format::Rgba32f;
+    }
+}
+
+} // namespace isocast

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: MPL-2.0
+#include "raycaster/shading.h"
+
+#include "raycaster/environment.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace isocast {
+
+namespace {
+
+constexpr int first_layer_unit =
+    2; // of shaders/shading/layers.glsl; the environment has the last, 15
+
+gl::ProgramKey shading_program(ShadingModel model, bool shows_environment, std::size_t lights,
+                               const std::map<Blend, std::size_t>& counts) {
+    const auto count = [&](Blend blend) {
+        const auto found = counts.find(blend);
+        return std::to_string(found == counts.end() ? 0 : found->second);
+    };
+    return {{"common/tiles.vert", "shading/shading.frag"},
+            {{"MODEL", std::to_string(static_cast<int>(model))},
+             {"SHOWS_ENVIRONMENT", shows_environment ? "1" : "0"},
+             {"LIGHTS", std::to_string(model == ShadingModel::Flat ? 0 : lights)},
+             {"SURFACE_LAYERS", count(Blend::SurfaceColour)},
+             {"AMBIENT_FACTORS", count(Blend::AmbientLight)},
+             {"SHADOWS", count(Blend::DirectLight)},
+             {"OVERLAYS", count(Blend::Overlay)}}};
+}
+
+/// The live layers by kind: shaders read them in the order of the kinds.
+std::vector<Layer> live_layers(const Look& look) {
+    std::vector<Layer> layers = layers_of(look);
+    std::erase_if(layers, [&](const Layer& layer) {
+        // Unlit colours know no light.
+        const bool is_light =
+            layer.blend == Blend::AmbientLight || layer.blend == Blend::DirectLight;
+        return layer.strength == 0 || (is_light && look.model == ShadingModel::Flat);
+    });
+    std::ranges::stable_sort(layers, {}, &Layer::blend);
+    return layers;
+}
+
+Eigen::Vector3f to_float(const Vec3d& v) {
+    return v.cast<float>();
+}
+
+} // namespace
+
+std::vector<Layer> layers_of(const Look& look) {
+    const Effects& e = look.effects;
+    double shadow_strength = 0;
+    for (const Light& light : look.lights)
+        if (light.shadow != Shadow::None) shadow_strength = light.shadow_strength;
+    return {
+        {FrameImage::SolidTexture, Blend::SurfaceColour, e.solid_texture.strength},
+        {FrameImage::CurvatureColour, Blend::SurfaceColour, e.curvature_colour.strength},
+        {FrameImage::CurvatureMap, Blend::SurfaceColour, e.curvature_map.strength},
+        {FrameImage::Uncertainty, Blend::SurfaceColour, e.uncertainty.strength},
+        {FrameImage::Flow, Blend::SurfaceColour, e.flow.strength},
+        {FrameImage::Ridges, Blend::SurfaceColour, e.ridges.strength},
+        {FrameImage::Accessibility, Blend::SurfaceColour, e.accessibility.strength},
+        {FrameImage::Occlusion, Blend::AmbientLight, e.occlusion.strength},
+        {FrameImage::Shadow, Blend::DirectLight, shadow_strength},
+        {FrameImage::Refraction, Blend::Overlay, e.refraction.strength},
+        {FrameImage::Reflection, Blend::Overlay, e.reflection.strength},
+        {FrameImage::Contours, Blend::Overlay, e.contours.strength},
+        {FrameImage::Outlines, Blend::Overlay, e.outlines.strength, true},
+    };
+}
+
+ImageSet shading_reads(const Look& look) {
+    ImageSet reads{FrameImage::Hit};
+    if (look.model != ShadingModel::Flat) reads.insert(FrameImage::Gradient);
+    for (const Layer& layer : live_layers(look)) reads.insert(layer.image);
+    return reads;
+}
+
+void run_shading(FrameContext& frame) {
+    const Look& look = frame.scene.look;
+    const std::vector<Layer> layers = live_layers(look);
+    std::map<Blend, std::size_t> counts;
+    for (const Layer& layer : layers) ++counts[layer.blend];
+    const gl::Program& program = frame.shaders.program(
+        shading_program(look.model, look.shows_environment, look.lights.size(), counts));
+
+    frame.targets.texture(FrameImage::Hit).bind_to_unit(0);
+    int unit = first_layer_unit;
+    std::map<Blend, int> numbers;
+    for (const Layer& layer : layers) {
+        frame.targets.texture(layer.image).bind_to_unit(static_cast<unsigned>(unit++));
+        const char* name = layer.blend == Blend::SurfaceColour  ? "u_surface_strengths"
+                           : layer.blend == Blend::AmbientLight ? "u_ambient_strengths"
+                           : layer.blend == Blend::DirectLight  ? "u_shadow_strengths"
+                                                                : "u_overlay_strengths";
+        program.set(fmt::format("{}[{}]", name, numbers[layer.blend]++).c_str(),
+                    static_cast<float>(layer.strength));
+    }
+
+    const Material& material = look.material;
+    program.set("u_colour", to_float(material.colour));
+    if (look.model != ShadingModel::Flat) {
+        frame.targets.texture(FrameImage::Gradient).bind_to_unit(1);
+        const Mat3d world_from_view = frame.camera.view_from_world_rotation().transpose();
+        for (std::size_t i = 0; i < look.lights.size(); ++i) {
+            const Light& light = look.lights[i];
+            const Vec3d direction =
+                light.is_in_view_space ? Vec3d(world_from_view * light.direction) : light.direction;
+            program.set(fmt::format("u_light_directions[{}]", i).c_str(),
+                        to_float(direction.normalized()));
+            program.set(fmt::format("u_light_colours[{}]", i).c_str(), to_float(light.colour));
+            if (light.shadow != Shadow::None && counts.contains(Blend::DirectLight))
+                program.set("u_shadowed_light", static_cast<int>(i));
+        }
+        program.set("u_material",
+                    Eigen::Vector4f(float(material.ambient), float(material.diffuse),
+                                    float(material.specular), float(material.shininess)));
+        if (look.model == ShadingModel::Gooch) {
+            program.set("u_cool", to_float(look.tones.cool));
+            program.set("u_warm", to_float(look.tones.warm));
+            program.set("u_shares", Eigen::Vector2f(float(look.tones.cool_share),
+                                                    float(look.tones.warm_share)));
+        }
+    }
+    if (look.model != ShadingModel::Flat || look.shows_environment)
+        program.set(
+            "u_ray_vector",
+            Eigen::Matrix3f(
+                world_vector_coefficients(frame.camera, frame.width, frame.height).cast<float>()));
+    const bool is_everywhere =
+        look.shows_environment ||
+        std::ranges::any_of(layers, [](const Layer& layer) { return layer.reaches_beyond_hits; });
+    if (look.shows_environment)
+        bind_environment(frame);
+    else
+        program.set("u_background", to_float(look.background));
+    if (is_everywhere) {
+        draw_everywhere(frame, FrameImage::Beauty, program);
+        return;
+    }
+    Eigen::Vector4f background = Eigen::Vector4f::Zero();
+    background.head<3>() = to_float(look.background);
+    draw_tiles(frame, FrameImage::Beauty, program, background);
+}
+
+std::vector<gl::ProgramKey> shading_programs() {
+    std::vector<gl::ProgramKey> keys;
+    for (const ShadingModel model :
+         {ShadingModel::BlinnPhong, ShadingModel::Gooch, ShadingModel::Flat})
+        for (const bool shows_environment : {false, true})
+            for (const std::size_t count : {0, 1, 3}) {
+                const std::size_t factors = model == ShadingModel::Flat ? 0 : count;
+                keys.push_back(
+                    shading_program(model, shows_environment, 1 + count,
+                                    {{Blend::SurfaceColour, count},
+                                     {Blend::AmbientLight, factors},
+                                     {Blend::DirectLight, std::min<std::size_t>(1, factors)},
+                                     {Blend::Overlay, count}}));
+            }
+    return keys;
+}
+
+} // namespace isocast

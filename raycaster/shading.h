@@ -1,0 +1,36 @@
+// From hits, normals and what effects made to the picture.
+// SPDX-License-Identifier: MPL-2.0
+#pragma once
+
+#include "raycaster/frame.h"
+
+namespace isocast {
+
+/// What shading does with an effect's image.
+enum class Blend {
+    SurfaceColour, // before light: colours are mixed by coverage
+    AmbientLight,  // r times the ambient light
+    DirectLight,   // r times the light that casts shadows
+    Overlay,       // after light: colours are mixed by coverage
+};
+
+/// How an effect enters the picture. Shading knows no more of it.
+struct Layer {
+    FrameImage image;
+    Blend blend;
+    double strength; // in [0, 1]; 0: shading does not read the image
+    bool reaches_beyond_hits = false;
+};
+
+/// Those of every effect there is, in the order in which they are applied.
+std::vector<Layer> layers_of(const Look& look);
+
+/// The images that shading reads.
+ImageSet shading_reads(const Look& look);
+
+void run_shading(FrameContext& frame);
+
+/// Programs for `layers` of each kind and lights, for the test that compiles them.
+std::vector<gl::ProgramKey> shading_programs();
+
+} // namespace isocast

@@ -1,0 +1,37 @@
+// What tests of shading share: a context, a renderer, and pictures of scenes.
+// SPDX-License-Identifier: MPL-2.0
+#pragma once
+
+#include "raycaster/renderer.h"
+#include "volume/analytic_fields.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace isocast::test {
+
+inline const std::filesystem::path shader_folder =
+    std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders";
+
+struct Shading : testing::Test {
+    std::unique_ptr<gl::Context> context = gl::make_context({.backend = gl::Backend::Osmesa});
+    Renderer renderer{*context, shader_folder};
+    Camera camera{.eye_world = {1.6, 1.2, 4.5}, .target_world = Vec3d::Zero()};
+    int size = 96;
+
+    Image draw(const Scene& scene, FrameImage image = FrameImage::Beauty) {
+        renderer.load(scene);
+        report = renderer.draw(camera, size, size, {image});
+        return renderer.read(image);
+    }
+    const PassReport& pass(std::string_view name) const {
+        for (const PassReport& p : report.passes)
+            if (p.name == name) return p;
+        throw std::logic_error("no such pass: " + std::string(name));
+    }
+
+    FrameReport report;
+};
+
+} // namespace isocast::test

@@ -3,6 +3,7 @@
 
 #include "gl/readback.h"
 
+#include <Eigen/Eigenvalues>
 #include <glad/gl.h>
 
 #include <algorithm>
@@ -152,6 +153,23 @@ void set_hit_uniforms(const gl::Program& program, const FrameContext& frame,
         Eigen::Vector3f(eye_local(frame.camera, space, field.local_origin_index()).cast<float>()));
 }
 
+/// Of shaders/raycast/derivatives.frag: how roundings and stored samples err in curvatures.
+void set_error_uniforms(const gl::Program& program, const GridSpace& space, const BrickPool& pool,
+                        Kernel kernel) {
+    // The greatest sum of |weights| of a second derivative, which is at a sample. Mixed ones have
+    // less than 4, but those of Catmull-Rom 9.
+    double hull = 0;
+    for (const double weight : kernel_weights_d2(kernel, 0)) hull += std::abs(weight);
+    hull = std::max(hull, 4.0);
+    // 2^-19: 32 roundings of what is summed; 24 are the longest way through a sum of 64 products.
+    program.set("u_entry_error",
+                Eigen::Vector2f(float(hull * 0x1p-19),
+                                float(hull * pool.storage_error() / pool.world_from_stored())));
+    // Symmetric matrices of entries up to e have eigenvalues up to 3 e, and two of them differ.
+    const double stretch = space.world_from_index.linear().inverse().operatorNorm();
+    program.set("u_difference_error", static_cast<float>(6 * stretch * stretch));
+}
+
 } // namespace
 
 bool can_fuse_gradient(const FrameContext& frame) {
@@ -236,7 +254,7 @@ void run_raycast(FrameContext& frame) {
 }
 
 void run_derivatives(FrameContext& frame, FrameImage image, int order) {
-    FieldOnGpu& field = frame.derivative_field;
+    FieldOnGpu& field = order == 1 ? frame.derivative_field : frame.curvature_field;
     gl::ProgramKey key = derivatives_program(field.pool().defines(), order);
     const Kernel kernel = kernel_of(frame.scene.derivative_filter.value_or(frame.scene.filter));
     key.defines["KERNEL"] = std::to_string(static_cast<int>(kernel));
@@ -244,8 +262,10 @@ void run_derivatives(FrameContext& frame, FrameImage image, int order) {
     field.bind(program);
     frame.targets.texture(FrameImage::Hit).bind_to_unit(3);
     set_hit_uniforms(program, frame, field);
-    // Curvatures do not depend on the unit of values.
-    if (order == 1) program.set("u_world_from_stored", field.pool().world_from_stored());
+    if (order == 1)
+        program.set("u_world_from_stored", field.pool().world_from_stored());
+    else
+        set_error_uniforms(program, frame.scene.field->space(), field.pool(), kernel);
     draw_field(frame, field, image, program);
 }
 
@@ -266,7 +286,8 @@ std::vector<gl::ProgramKey> field_programs() {
             defines.merge(BrickPool().defines());
             for (const int is_streamed : {0, 1}) {
                 defines["IS_STREAMED"] = std::to_string(is_streamed);
-                for (const int order : {1, 2}) keys.push_back(derivatives_program(defines, order));
+                for (const int order : {1, 2, 3})
+                    keys.push_back(derivatives_program(defines, order));
                 for (const int search : {0, 1}) {
                     for (const Traversal traversal : {Traversal::TileLists, Traversal::DrawnBlocks,
                                                       Traversal::BoundingFaces, Traversal::Walk}) {

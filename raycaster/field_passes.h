@@ -12,7 +12,7 @@ bool can_fuse_gradient(const FrameContext& frame);
 
 void run_bounds(FrameContext& frame);
 void run_raycast(FrameContext& frame);
-/// order  of raycast/derivatives.frag: 1 for the gradient, 2 for curvatures
+/// order  of raycast/derivatives.frag: 1 for the gradient, 2 for curvatures, 3 for directions
 void run_derivatives(FrameContext& frame, FrameImage image, int order);
 
 /// Every program that these can ask for, up to its strides.

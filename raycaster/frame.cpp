@@ -115,6 +115,8 @@ gl::Format format_of(FrameImage image) {
         return gl::Format::Rgba16f;
     case FrameImage::Bounds:
         return gl::Format::Rg32f;
+    case FrameImage::FlowNoise:
+        return gl::Format::R32f;
     default:
         return gl::Format::Rgba32f;
     }

@@ -43,6 +43,7 @@ struct FrameContext {
     const Scene& scene;
     FieldOnGpu& field;
     FieldOnGpu& derivative_field; // of the same blocks; `field` where control samples are shared
+    FieldOnGpu& curvature_field;  // of the same blocks, what curvatures are derived from
     const PlacesOnGpu& places;
     const Camera& camera;
     int width;

@@ -10,7 +10,7 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
     const ImageSet bounds = frame.scene.quality.traversal == Traversal::BoundingFaces
                                 ? ImageSet{FrameImage::Bounds}
                                 : ImageSet{};
-    return {
+    std::vector<Pass> passes{
         {"bounds", {}, FrameImage::Bounds, [&frame] { run_bounds(frame); }},
         {"raycast", bounds, FrameImage::Hit, [&frame] { run_raycast(frame); }},
         {"gradient",
@@ -23,14 +23,20 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
          {FrameImage::Hit},
          FrameImage::Curvature,
          [&frame] { run_derivatives(frame, FrameImage::Curvature, 2); }},
-        {"shading", shading_reads(frame.scene.look), FrameImage::Beauty,
-         [&frame] { run_shading(frame); }},
+        {"direction",
+         {FrameImage::Hit},
+         FrameImage::Direction,
+         [&frame] { run_derivatives(frame, FrameImage::Direction, 3); }},
     };
+    passes.push_back({"shading", shading_reads(frame.scene.look), FrameImage::Beauty,
+                      [&frame] { run_shading(frame); }});
+    return passes;
 }
 
 std::vector<gl::ProgramKey> all_programs() {
     std::vector<gl::ProgramKey> keys = field_programs();
-    for (const gl::ProgramKey& key : shading_programs()) keys.push_back(key);
+    for (const auto& programs : {shading_programs()})
+        keys.insert(keys.end(), programs.begin(), programs.end());
     return keys;
 }
 

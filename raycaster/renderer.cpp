@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "raycaster/renderer.h"
 
+#include "filtering/smoothed_field.h"
 #include "gl/timer.h"
 #include "raycaster/field_passes.h"
 #include "raycaster/passes.h"
@@ -59,12 +60,19 @@ void Renderer::load(Scene scene, const Progress& progress) {
         (scene.storage.fetch == Fetch::Linear ||
          scene.derivative_filter.value_or(scene.filter) != scene.filter))
         throw InputError("coarse bricks cannot be fetched linearly, nor have a derivative filter");
+    if (!(scene.curvature_scale_voxels >= 0 &&
+          scene.curvature_scale_voxels <= greatest_scale_voxels))
+        throw InputError(fmt::format("a curvature scale of {} voxels: it must lie between 0 and {}",
+                                     scene.curvature_scale_voxels, greatest_scale_voxels));
+    if (scene.storage.over_budget == OverBudget::Coarsen && scene.curvature_scale_voxels > 0)
+        throw InputError("coarse bricks cannot have curvatures at a scale");
     check_look(scene.look);
     // The old field goes first, so that both are never in memory.
     field_ = {};
     moving_.reset();
     derivative_field_ = {};
     derivative_control_ = {};
+    keep_smoothed(false);
     control_ = control_samples(scene.field, scene.filter, progress);
     if (const Filter derivative_filter = scene.derivative_filter.value_or(scene.filter);
         !share_control_samples(scene.filter, derivative_filter))
@@ -119,9 +127,9 @@ void Renderer::upload(const Progress& progress) {
     surface_box_.reset();
     field_ = {};
     derivative_field_ = {};
+    keep_smoothed(false);
     const float iso = static_cast<float>(scene_.iso_world);
-    StorageOptions storage = scene_.storage;
-    if (derivative_control_) storage.budget_bytes /= 2;
+    const StorageOptions storage = storage_share();
     field_ = FieldOnGpu(*scene_.field, *control_, kernel_of(scene_.filter), ranges_, active_, iso,
                         storage, progress, scene_.quality.traversal, coarse_ ? &*coarse_ : nullptr);
     if (derivative_control_) {
@@ -139,6 +147,25 @@ void Renderer::upload(const Progress& progress) {
             "all bricks must fit the texture budget for sampling at a rate, and for "
             "other ways to the blocks than lists");
     context_.throw_pending_error();
+}
+
+StorageOptions Renderer::storage_share() const {
+    StorageOptions storage = scene_.storage;
+    storage.budget_bytes /=
+        1 + (derivative_control_ ? 1 : 0) + (scene_.curvature_scale_voxels > 0 ? 1 : 0);
+    return storage;
+}
+
+void Renderer::keep_smoothed(bool is_needed) {
+    if (!is_needed) smoothed_ = {};
+    if (!is_needed || smoothed_.control) return;
+    const Filter filter = scene_.derivative_filter.value_or(scene_.filter);
+    smoothed_.control = control_samples(
+        std::make_shared<SmoothedField>(scene_.field, scene_.curvature_scale_voxels), filter);
+    smoothed_.ranges = with_samples_of(*smoothed_.control, ranges_, active_);
+    smoothed_.field =
+        FieldOnGpu(*scene_.field, *smoothed_.control, kernel_of(filter), smoothed_.ranges, active_,
+                   static_cast<float>(scene_.iso_world), storage_share());
 }
 
 Traversal traversal_from_name(std::string_view name) {
@@ -173,6 +200,7 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
                                      width, height, limit));
     const PlacesOnGpu places(scene_.quality.traversal, ranges_, active_, scene_.field->space(),
                              camera, width, height);
+    const bool is_smoothed = scene_.curvature_scale_voxels > 0;
     const bool has_derivative_field = derivative_field_.byte_count() > 0;
     FrameReport report;
     FrameContext frame{shaders_,
@@ -180,6 +208,9 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
                        scene_,
                        field_,
                        has_derivative_field ? derivative_field_ : field_,
+                       is_smoothed            ? smoothed_.field
+                       : has_derivative_field ? derivative_field_
+                                              : field_,
                        places,
                        camera,
                        width,
@@ -192,6 +223,11 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
         can_fuse_gradient(frame) && std::ranges::any_of(live, [](const Pass& pass) {
             return pass.writes == FrameImage::Gradient;
         });
+
+    keep_smoothed(is_smoothed && std::ranges::any_of(live, [](const Pass& pass) {
+                      return pass.writes == FrameImage::Curvature ||
+                             pass.writes == FrameImage::Direction;
+                  }));
 
     for (const Pass& pass : declared) {
         gl::Texture& texture = targets_.texture(pass.writes);
@@ -231,7 +267,8 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
     for (PassReport& pass : report.passes)
         if (pass.ran) pass.milliseconds = timers.at(pass.name).milliseconds();
     report.programs_compiled = shaders_.compiled_program_count();
-    report.field_bytes = field_.byte_count() + derivative_field_.byte_count();
+    report.field_bytes =
+        field_.byte_count() + derivative_field_.byte_count() + smoothed_.field.byte_count();
     report.notes = std::move(frame.notes);
     report.look_bytes = look_textures_.byte_count();
     return report;

@@ -40,7 +40,7 @@ public:
 
     /// Finds the active blocks and uploads their bricks.
     /// throws  InputError if the scene has no field, or Catmull-Rom's filter for linear fetches;
-    ///         ResourceError if it does not fit
+    ///         or an impossible scale of curvatures; ResourceError if it does not fit
     void load(Scene scene, const Progress& progress = {});
 
     /// Moves the isosurface of the loaded scene: pictures are, bit by bit, those of the same scene
@@ -76,6 +76,10 @@ private:
     float error_of_storage() const;
     /// The active blocks to the GPU.
     void upload(const Progress& progress);
+    /// Makes what curvatures at a scale are derived from, or takes it away.
+    void keep_smoothed(bool is_needed);
+    /// Of each of the fields that the scene may need.
+    StorageOptions storage_share() const;
     const IndexBox& surface_box() const;
 
     gl::Context& context_;
@@ -92,6 +96,12 @@ private:
     std::shared_ptr<const FieldSource> derivative_control_;
     BlockRanges derivative_ranges_;
     FieldOnGpu derivative_field_;
+    // What curvatures at a scale are derived from, while passes ask for them.
+    struct Smoothed {
+        std::shared_ptr<const FieldSource> control;
+        BlockRanges ranges;
+        FieldOnGpu field;
+    } smoothed_;
     mutable std::optional<IndexBox> surface_box_;
     FrameTargets targets_;
     LookTextures look_textures_;

@@ -43,6 +43,10 @@ struct Scene {
     Filter filter = Filter::Interpolating;
     /// Gradients by another filter than values (thesis section 6.4.4); by the same if empty.
     std::optional<Filter> derivative_filter;
+    /// Curvatures and their directions, and what is made of these, are those of the field smoothed
+    /// by a Gaussian of so many voxels (filtering/smoothed_field.h), at the same hits: neither the
+    /// surface nor its normals move. At most greatest_scale_voxels.
+    double curvature_scale_voxels = 0;
     StorageOptions storage;
     Quality quality;
     Look look;

@@ -19,8 +19,8 @@ struct Declared {
     Camera camera;
     FrameTargets targets;
     LookTextures look_textures;
-    FrameContext frame{shaders, no_vertices, scene, field,   field,        places,
-                       camera,  1,           1,     targets, look_textures};
+    FrameContext frame{shaders, no_vertices, scene, field, field,   field,
+                       places,  camera,      1,     1,     targets, look_textures};
     std::vector<Pass> passes = declare_passes(frame);
 };
 

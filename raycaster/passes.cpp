@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "raycaster/passes.h"
 
+#include "raycaster/effects/flow.h"
 #include "raycaster/field_passes.h"
 #include "raycaster/shading.h"
 
@@ -28,6 +29,7 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
          FrameImage::Direction,
          [&frame] { run_derivatives(frame, FrameImage::Direction, 3); }},
     };
+    for (Pass& pass : flow_passes(frame)) passes.push_back(std::move(pass));
     passes.push_back({"shading", shading_reads(frame.scene.look), FrameImage::Beauty,
                       [&frame] { run_shading(frame); }});
     return passes;
@@ -35,7 +37,7 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
 
 std::vector<gl::ProgramKey> all_programs() {
     std::vector<gl::ProgramKey> keys = field_programs();
-    for (const auto& programs : {shading_programs()})
+    for (const auto& programs : {flow_programs(), shading_programs()})
         keys.insert(keys.end(), programs.begin(), programs.end());
     return keys;
 }

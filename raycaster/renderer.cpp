@@ -3,6 +3,7 @@
 
 #include "filtering/smoothed_field.h"
 #include "gl/timer.h"
+#include "raycaster/effects/flow.h"
 #include "raycaster/field_passes.h"
 #include "raycaster/passes.h"
 #include "volume/errors.h"
@@ -40,6 +41,7 @@ void check_look(const Look& look) {
     if (std::ranges::count_if(look.lights,
                               [](const Light& light) { return light.shadow != Shadow::None; }) > 1)
         throw InputError("one light at most casts shadows");
+    check(look.effects.flow);
 }
 
 } // namespace

@@ -5,6 +5,7 @@
 #include "../volume/random_fields.h"
 #include "filtering/filter.h"
 #include "filtering/reconstruct.h"
+#include "filtering/smoothed_field.h"
 #include "gl/errors.h"
 #include "raycaster/passes.h"
 #include "raycaster/renderer.h"
@@ -344,6 +345,20 @@ TEST_F(CurvatureScale, FollowsTheIsoValueAndFewBricks) {
     renderer.set_iso(0.5);
     renderer.draw(torus_camera, 64, 64, {FrameImage::Curvature});
     EXPECT_EQ(renderer.read(FrameImage::Curvature).rgba, expected.rgba);
+}
+
+TEST_F(CurvatureScale, GivesTheTwinsCurvatures) {
+    const auto field = sampled_in(GridSpace::uniform(1), torus);
+    draw({.field = field, .curvature_scale_voxels = 1.5}, torus_camera);
+    const auto control =
+        control_samples(std::make_shared<SmoothedField>(field, 1.5), Filter::Interpolating);
+    const int count = for_each_hit(torus_camera, [&](const Vec3d& p, const float* k) {
+        const Jet jet = tricubic_jet(*control, p);
+        const Curvatures c = principal_curvatures(jet.gradient, jet.hessian);
+        EXPECT_NEAR(k[0], c.k1, 1e-4); // AreTheTwins
+        EXPECT_NEAR(k[1], c.k2, 1e-4);
+    });
+    EXPECT_GT(count, 500);
 }
 
 /// White noise of deviation s makes second derivatives of the field, smoothed by a Gaussian of

@@ -42,6 +42,21 @@ TEST(LivePasses, RunOnlyWhatTheOutputsNeed) {
               (Names{"raycast", "curvature"}));
     EXPECT_EQ(names(live_passes(declared.passes, {FrameImage::Beauty})),
               (Names{"raycast", "gradient", "shading"}));
+    EXPECT_EQ(names(live_passes(declared.passes, {FrameImage::Direction})),
+              (Names{"raycast", "direction"}));
+}
+
+TEST(LivePasses, OfFlowReadNormalsForTheSecondDirectionAlone) {
+    Declared declared;
+    Flow& flow = declared.scene.look.effects.flow;
+    flow.strength = 0.5;
+    EXPECT_EQ(names(live_passes(declare_passes(declared.frame), {FrameImage::Beauty})),
+              (Names{"raycast", "gradient", "direction", "flow noise", "flow", "shading"}));
+    EXPECT_EQ(names(live_passes(declare_passes(declared.frame), {FrameImage::Flow})),
+              (Names{"raycast", "direction", "flow noise", "flow"}));
+    flow.direction = 2;
+    EXPECT_EQ(names(live_passes(declare_passes(declared.frame), {FrameImage::Flow})),
+              (Names{"raycast", "gradient", "direction", "flow noise", "flow"}));
 }
 
 TEST(LivePasses, TheBoundsOfRaysAreForBoundingFacesAlone) {

@@ -104,7 +104,8 @@ void main() {
             window += 0.5 + 0.5 * cos(pi * s);
         }
     }
-    float factor = 1.0 + clamp(u_contrast * sum * inversesqrt(squares), -0.9, 0.9);
+    // 1e-30: a ripple may be nothing where the line is one pixel.
+    float factor = 1.0 + clamp(u_contrast * sum * inversesqrt(max(squares, 1e-30)), -0.9, 0.9);
     // The window's sum is u_steps + 1; half of it is a line.
     float is_line = smoothstep(0.0, 0.5, window / float(u_steps + 1));
     o_flow = vec4(vec3(factor), is_line * smoothstep(0.0, certain_difference, middle.w));

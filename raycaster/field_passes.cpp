@@ -14,7 +14,8 @@ namespace isocast {
 namespace {
 
 gl::ProgramKey raycast_program(std::map<std::string, std::string> defines, int search,
-                               Traversal traversal, bool has_gradient) {
+                               Traversal traversal, bool has_gradient, bool is_operand = false) {
+    defines.emplace("IS_OPERAND", is_operand ? "1" : "0");
     defines.emplace("SEARCH", std::to_string(search));
     defines.emplace("HAS_GRADIENT", has_gradient ? "1" : "0");
     defines.emplace("TRAVERSAL", std::to_string(static_cast<int>(traversal)));
@@ -27,14 +28,16 @@ gl::ProgramKey bounds_program(const BrickPool& pool) {
     return {{"raycast/bounds.vert", "raycast/bounds.frag"}, pool.defines()};
 }
 
-gl::ProgramKey derivatives_program(std::map<std::string, std::string> defines, int order) {
+gl::ProgramKey derivatives_program(std::map<std::string, std::string> defines, int order,
+                                   bool is_operand) {
+    defines.emplace("IS_OPERAND", is_operand ? "1" : "0");
     defines.emplace("ORDER", std::to_string(order));
     return {{"common/tiles.vert", "raycast/derivatives.frag"}, std::move(defines)};
 }
 
 RayCoefficients set_ray_uniforms(const gl::Program& program, const FrameContext& frame) {
     const RayCoefficients ray =
-        ray_coefficients(frame.camera, frame.width, frame.height, frame.scene.field->space(),
+        ray_coefficients(frame.camera, frame.width, frame.height, frame.object.field->space(),
                          frame.field.local_origin_index());
     program.set("u_ray_point", Eigen::Matrix3f(ray.point.cast<float>()));
     program.set("u_ray_vector", Eigen::Matrix3f(ray.vector.cast<float>()));
@@ -44,7 +47,7 @@ RayCoefficients set_ray_uniforms(const gl::Program& program, const FrameContext&
 /// Of shaders/raycast/faces.glsl.
 void set_face_uniforms(const gl::Program& program, const FrameContext& frame) {
     const Camera& camera = frame.camera;
-    const GridSpace& space = frame.scene.field->space();
+    const GridSpace& space = frame.object.field->space();
     const bool is_perspective = camera.projection == Projection::Perspective;
     const double half_height = camera.half_height_at(1);
     const Mat3d rotation = camera.view_from_world_rotation();
@@ -113,7 +116,7 @@ void draw_blocks(const FrameContext& frame, FrameImage image, const gl::Program&
     set_fixed_state();
     set_face_uniforms(program, frame);
     const Vec3d forward = frame.camera.view_from_world_rotation().transpose() * Vec3d(0, 0, -1);
-    const GridSpace& space = frame.scene.field->space();
+    const GridSpace& space = frame.object.field->space();
     Eigen::Vector4d eye;
     if (frame.camera.projection == Projection::Perspective)
         eye << eye_local(frame.camera, space, frame.field.local_origin_index()), 1;
@@ -144,7 +147,7 @@ void draw_field(FrameContext& frame, FieldOnGpu& field, FrameImage image,
 /// Of shaders that go from hits to the field.
 void set_hit_uniforms(const gl::Program& program, const FrameContext& frame,
                       const FieldOnGpu& field) {
-    const GridSpace& space = frame.scene.field->space();
+    const GridSpace& space = frame.object.field->space();
     program.set("u_index_from_world",
                 Eigen::Matrix3f(space.world_from_index.linear().inverse().cast<float>()));
     program.set(
@@ -157,9 +160,9 @@ void set_hit_uniforms(const gl::Program& program, const FrameContext& frame,
 bool can_fuse_gradient(const FrameContext& frame) {
     return &frame.derivative_field == &frame.field && frame.field.pool().holds_all() &&
            frame.field.pool().fetch() != Fetch::Linear && // whose gradient may be another sum
-           frame.scene.quality.traversal != Traversal::DrawnBlocks &&
-           kernel_of(frame.scene.derivative_filter.value_or(frame.scene.filter)) ==
-               kernel_of(frame.scene.filter);
+           frame.scene.quality.traversal != Traversal::DrawnBlocks && !is_composed(frame.scene) &&
+           kernel_of(frame.object.derivative_filter.value_or(frame.object.filter)) ==
+               kernel_of(frame.object.filter);
 }
 
 void run_bounds(FrameContext& frame) {
@@ -181,12 +184,9 @@ void run_bounds(FrameContext& frame) {
     glDisable(GL_BLEND);
 }
 
-void run_raycast(FrameContext& frame) {
+RayCoefficients set_search_uniforms(const gl::Program& program, const FrameContext& frame) {
     const Quality& quality = frame.scene.quality;
-    const gl::ProgramKey key = raycast_program(frame.field.pool().defines(), quality.rate ? 1 : 0,
-                                               quality.traversal, frame.has_fused_gradient);
-    const gl::Program& program = frame.shaders.program(key);
-    const FieldSource& field = *frame.scene.field;
+    const FieldSource& field = *frame.object.field;
     const RayCoefficients ray = set_ray_uniforms(program, frame);
     frame.field.bind(program);
     program.set("u_ray_from_eye", Eigen::Matrix3f(ray.from_eye.cast<float>()));
@@ -222,6 +222,19 @@ void run_raycast(FrameContext& frame) {
     }
     program.set("u_world_from_index",
                 Eigen::Matrix3f(field.space().world_from_index.linear().cast<float>()));
+    return ray;
+}
+
+gl::ProgramKey operand_program(const FrameContext& frame) {
+    return raycast_program(frame.field.pool().defines(), 0, Traversal::TileLists, false, true);
+}
+
+void run_raycast(FrameContext& frame) {
+    const Quality& quality = frame.scene.quality;
+    const gl::ProgramKey key = raycast_program(frame.field.pool().defines(), quality.rate ? 1 : 0,
+                                               quality.traversal, frame.has_fused_gradient);
+    const gl::Program& program = frame.shaders.program(key);
+    set_search_uniforms(program, frame);
     if (frame.has_fused_gradient) {
         set_hit_uniforms(program, frame, frame.field);
         program.set("u_world_from_stored", frame.field.pool().world_from_stored());
@@ -235,10 +248,14 @@ void run_raycast(FrameContext& frame) {
         draw_field(frame, frame.field, FrameImage::Hit, program);
 }
 
-void run_derivatives(FrameContext& frame, FrameImage image, int order) {
-    FieldOnGpu& field = frame.derivative_field;
-    gl::ProgramKey key = derivatives_program(field.pool().defines(), order);
-    const Kernel kernel = kernel_of(frame.scene.derivative_filter.value_or(frame.scene.filter));
+namespace {
+
+/// A program that finds derivatives of the frame's object, ready to draw.
+const gl::Program& derivatives_of_object(const FrameContext& frame, int order) {
+    const FieldOnGpu& field = frame.derivative_field;
+    gl::ProgramKey key =
+        derivatives_program(field.pool().defines(), order, is_composed(frame.scene));
+    const Kernel kernel = kernel_of(frame.object.derivative_filter.value_or(frame.object.filter));
     key.defines["KERNEL"] = std::to_string(static_cast<int>(kernel));
     const gl::Program& program = frame.shaders.program(key);
     field.bind(program);
@@ -246,7 +263,26 @@ void run_derivatives(FrameContext& frame, FrameImage image, int order) {
     set_hit_uniforms(program, frame, field);
     // Curvatures do not depend on the unit of values.
     if (order == 1) program.set("u_world_from_stored", field.pool().world_from_stored());
-    draw_field(frame, field, image, program);
+    return program;
+}
+
+} // namespace
+
+void run_derivatives(FrameContext& frame, FrameImage image, int order) {
+    if (!is_composed(frame.scene)) {
+        draw_field(frame, frame.derivative_field, image, derivatives_of_object(frame, order));
+        return;
+    }
+    // Each object's on the pixels that it owns.
+    frame.targets.framebuffer(image).bind();
+    const Eigen::Vector4f empty = Eigen::Vector4f::Zero();
+    glClearBufferfv(GL_COLOR, 0, empty.data());
+    for (int i = 0; i < std::ssize(frame.objects); ++i) {
+        const FrameContext object = of_object(frame, frame.objects[static_cast<std::size_t>(i)]);
+        const gl::Program& program = derivatives_of_object(object, order);
+        program.set("u_object", i + 1);
+        draw_on_tiles(object, program);
+    }
 }
 
 std::vector<gl::ProgramKey> field_programs() {
@@ -266,7 +302,12 @@ std::vector<gl::ProgramKey> field_programs() {
             defines.merge(BrickPool().defines());
             for (const int is_streamed : {0, 1}) {
                 defines["IS_STREAMED"] = std::to_string(is_streamed);
-                for (const int order : {1, 2}) keys.push_back(derivatives_program(defines, order));
+                for (const int order : {1, 2})
+                    for (const bool is_operand : {false, true})
+                        if (is_streamed == 0 || !is_operand)
+                            keys.push_back(derivatives_program(defines, order, is_operand));
+                if (is_streamed == 0)
+                    keys.push_back(raycast_program(defines, 0, Traversal::TileLists, false, true));
                 for (const int search : {0, 1}) {
                     for (const Traversal traversal : {Traversal::TileLists, Traversal::DrawnBlocks,
                                                       Traversal::BoundingFaces, Traversal::Walk}) {

@@ -12,8 +12,16 @@ bool can_fuse_gradient(const FrameContext& frame);
 
 void run_bounds(FrameContext& frame);
 void run_raycast(FrameContext& frame);
+/// Of composed objects each one's, where it is hit.
+///
 /// order  of raycast/derivatives.frag: 1 for the gradient, 2 for curvatures
 void run_derivatives(FrameContext& frame, FrameImage image, int order);
+
+/// Binds and sets what raycast/raycast.frag needs of the frame's object.
+/// returns  the rays, as set
+RayCoefficients set_search_uniforms(const gl::Program& program, const FrameContext& frame);
+/// raycast/raycast.frag for an object of several.
+gl::ProgramKey operand_program(const FrameContext& frame);
 
 /// Every program that these can ask for, up to its strides.
 std::vector<gl::ProgramKey> field_programs();

@@ -65,6 +65,20 @@ std::int64_t LookTextures::byte_count() const {
     return bytes;
 }
 
+PlacesOnGpu union_of_places(std::span<const FrameObject> objects, int width, int height) {
+    std::vector<std::vector<Eigen::Vector4i>> runs;
+    for (const FrameObject& object : objects) runs.push_back(object.places.tile_runs);
+    PlacesOnGpu places;
+    places.set_runs(union_of_runs(runs, width, height));
+    return places;
+}
+
+FrameContext of_object(const FrameContext& frame, const FrameObject& object) {
+    return {frame.shaders,           frame.no_vertices,   frame.scene,  object.object, object.field,
+            object.derivative_field, object.places,       frame.camera, frame.width,   frame.height,
+            frame.targets,           frame.look_textures, frame.objects};
+}
+
 void draw_on_tiles(const FrameContext& frame, const gl::Program& program) {
     draw_runs(frame, program, frame.places.runs, frame.places.run_count);
 }
@@ -93,6 +107,7 @@ RayCoefficients ray_coefficients(const Camera& camera, int width, int height,
         -(rotation * (space.to_world(local_origin_index.cast<double>()) - camera.eye_world)).z(),
         space.voxel_size_world());
     RayCoefficients ray;
+    ray.depth_world = depth;
     ray.from_eye = index_from_view * view_point_coefficients(camera, width, height, depth);
     ray.point = ray.from_eye;
     ray.point.col(0) += eye_local(camera, space, local_origin_index);

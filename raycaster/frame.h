@@ -9,6 +9,7 @@
 #include <array>
 #include <functional>
 #include <map>
+#include <span>
 #include <string>
 
 namespace isocast {
@@ -36,22 +37,41 @@ private:
     std::map<std::string, gl::Texture> textures_;
 };
 
+/// An object as a frame sees it.
+struct FrameObject {
+    const FieldObject& object;
+    FieldOnGpu& field;
+    FieldOnGpu& derivative_field; // of the same blocks; `field` where control samples are shared
+    PlacesOnGpu places;
+    Eigen::AlignedBox3d box_world; // of its active blocks; empty if there is none
+};
+
+/// The tiles in which any of them can show something, without lists.
+PlacesOnGpu union_of_places(std::span<const FrameObject> objects, int width, int height);
+
 /// What every pass of a frame sees.
 struct FrameContext {
     gl::ShaderLibrary& shaders;
     const gl::VertexArray& no_vertices;
     const Scene& scene;
+    // Of the scene's one object, or of that of of_object(). Passes that read the field read this.
+    const FieldObject& object;
     FieldOnGpu& field;
-    FieldOnGpu& derivative_field; // of the same blocks; `field` where control samples are shared
-    const PlacesOnGpu& places;
+    FieldOnGpu& derivative_field;
+    const PlacesOnGpu& places; // where objects are composed those of all
     const Camera& camera;
     int width;
     int height;
     FrameTargets& targets;
     LookTextures& look_textures;
+    std::span<const FrameObject> objects = {}; // all, by number
+    std::int64_t scratch_bytes = 0;      // of textures that a pass made for itself alone, the most
     bool has_fused_gradient = false;     // the pass "raycast" writes gradients too
     std::vector<std::string> notes = {}; // what was chosen for the user, to be reported
 };
+
+/// The frame with one of its objects in the place of the only one.
+FrameContext of_object(const FrameContext& frame, const FrameObject& object);
 
 /// Depth test, culling and blending off.
 void set_fixed_state();
@@ -66,9 +86,10 @@ void draw_everywhere(const FrameContext& frame, FrameImage image, const gl::Prog
 /// Coefficients of shaders/common/ray.glsl, computed in double: columns are the constant and the
 /// derivatives by gl_FragCoord's x and y.
 struct RayCoefficients {
-    Mat3d point;    // local index coordinates of a point on a plane through the object
-    Mat3d vector;   // from the ray's start to that point [voxels]
-    Mat3d from_eye; // from the eye to that point [voxels]
+    Mat3d point;        // local index coordinates of a point on a plane through the object
+    Mat3d vector;       // from the ray's start to that point [voxels]
+    Mat3d from_eye;     // from the eye to that point [voxels]
+    double depth_world; // of the plane, in front of the eye
 };
 RayCoefficients ray_coefficients(const Camera& camera, int width, int height,
                                  const GridSpace& space, const Index3& local_origin_index);

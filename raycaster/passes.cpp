@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "raycaster/passes.h"
 
+#include "raycaster/composition.h"
 #include "raycaster/field_passes.h"
 #include "raycaster/shading.h"
 
@@ -12,7 +13,13 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
                                 : ImageSet{};
     return {
         {"bounds", {}, FrameImage::Bounds, [&frame] { run_bounds(frame); }},
-        {"raycast", bounds, FrameImage::Hit, [&frame] { run_raycast(frame); }},
+        {"raycast", bounds, FrameImage::Hit,
+         [&frame] {
+             if (is_composed(frame.scene))
+                 run_composition(frame);
+             else
+                 run_raycast(frame);
+         }},
         {"gradient",
          {FrameImage::Hit},
          FrameImage::Gradient,
@@ -30,6 +37,7 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
 
 std::vector<gl::ProgramKey> all_programs() {
     std::vector<gl::ProgramKey> keys = field_programs();
+    for (const gl::ProgramKey& key : composition_programs()) keys.push_back(key);
     for (const gl::ProgramKey& key : shading_programs()) keys.push_back(key);
     return keys;
 }

@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 #include <glad/gl.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <map>
@@ -17,20 +16,6 @@
 namespace isocast {
 
 namespace {
-
-/// The active pages' ranges of samples become those of another field of control samples.
-BlockRanges with_samples_of(const FieldSource& control, BlockRanges ranges,
-                            const std::vector<ActivePage>& active) {
-    tbb::parallel_for(std::size_t{0}, active.size(), [&](std::size_t i) {
-        BlockPage& page = ranges.pages[active[i].page];
-        const Index3 lo = (page_size * page.coordinate.array() - filter_support_below).matrix();
-        std::vector<float> values(in_page(0, 0, page_samples));
-        control.copy_box({lo, (lo.array() + page_samples).matrix()}, 0, values);
-        const auto [min, max] = std::ranges::minmax(values);
-        page.samples = {min, max};
-    });
-    return ranges;
-}
 
 /// throws  InputError
 void check_look(const Look& look) {
@@ -48,39 +33,24 @@ Renderer::Renderer(gl::Context& context, const std::filesystem::path& shader_fol
       no_vertices_(gl::VertexArray::without_attributes("no vertices")) {}
 
 void Renderer::load(Scene scene, const Progress& progress) {
-    if (!scene.field) throw InputError("the scene has no field");
+    const std::vector<FieldObject> objects = objects_of(scene);
     if (scene.quality.rate && scene.quality.rate_factor < 1)
         throw InputError("the factor between two sampling rates must be at least 1");
-    if (scene.storage.fetch == Fetch::Linear && kernel_of(scene.filter) == Kernel::CatmullRom)
-        throw InputError(fmt::format("linear fetches need weights of one sign, which the filter {} "
-                                     "does not have: fetch rows or samples",
-                                     filter_name(scene.filter)));
-    if (scene.storage.over_budget == OverBudget::Coarsen &&
-        (scene.storage.fetch == Fetch::Linear ||
-         scene.derivative_filter.value_or(scene.filter) != scene.filter))
-        throw InputError("coarse bricks cannot be fetched linearly, nor have a derivative filter");
+    if (is_composed(scene) &&
+        (scene.quality.rate || scene.quality.traversal != Traversal::TileLists))
+        throw InputError("composed objects are searched by certified steps through lists of "
+                         "blocks, not at a rate or by other traversals");
     check_look(scene.look);
-    // The old field goes first, so that both are never in memory.
-    field_ = {};
-    moving_.reset();
-    derivative_field_ = {};
-    derivative_control_ = {};
-    control_ = control_samples(scene.field, scene.filter, progress);
-    if (const Filter derivative_filter = scene.derivative_filter.value_or(scene.filter);
-        !share_control_samples(scene.filter, derivative_filter))
-        derivative_control_ = control_samples(scene.field, derivative_filter, progress);
-    ranges_ = find_block_ranges(*control_, kernel_of(scene.filter), progress);
-    coarse_.reset();
+    // The old fields go first, so that both are never in memory.
+    objects_.clear();
+    objects_ = std::vector<LoadedObject>(objects.size());
     scene_ = std::move(scene);
     look_textures_ = {};
-    const float iso = static_cast<float>(scene_.iso_world);
-    active_ = active_pages(ranges_, iso);
-    active_ = active_pages(ranges_, iso, error_of_storage());
-    if (scene_.storage.over_budget == OverBudget::Coarsen)
-        coarse_ = coarsen(control_, kernel_of(scene_.filter), ranges_, active_, iso, scene_.storage,
-                          progress);
-    if (coarse_) control_ = coarse_->field;
-    upload(progress);
+    StorageOptions storage = scene_.storage;
+    storage.budget_bytes /= std::ssize(objects);
+    for (std::size_t i = 0; i < objects.size(); ++i)
+        objects_[i].load(objects[i], storage, scene_.quality.traversal, progress);
+    check_residence();
 }
 
 void Renderer::set_look(Look look) {
@@ -89,80 +59,55 @@ void Renderer::set_look(Look look) {
     look_textures_ = {};
 }
 
-void Renderer::set_iso(double iso_world) {
-    if (!control_) throw std::logic_error("no scene is loaded");
-    if (scene_.storage.over_budget == OverBudget::Coarsen) { // ranges depend on what is coarse
-        Scene scene = scene_;
-        scene.iso_world = iso_world;
-        load(std::move(scene));
-        return;
-    }
-    if (!moving_)
-        moving_.emplace(ranges_, static_cast<float>(scene_.iso_world), error_of_storage());
-    scene_.iso_world = iso_world;
-    const float iso = static_cast<float>(iso_world);
-    moving_->move_to(iso);
-    active_ = moving_->pages();
-    if (const float error = error_of_storage(); error > 0) {
-        moving_->move_to(iso, error);
-        active_ = moving_->pages();
-    }
-    upload({});
+void Renderer::set_iso(double iso_world, int object) {
+    LoadedObject& moved = objects_.at(static_cast<std::size_t>(object));
+    if (!moved.is_loaded()) throw std::logic_error("no scene is loaded");
+    moved.set_iso(iso_world);
+    (scene_.field ? scene_.iso_world : scene_.objects[static_cast<std::size_t>(object)].iso_world) =
+        iso_world;
+    check_residence();
 }
 
-float Renderer::error_of_storage() const {
-    return storage_error(ranges_, active_, static_cast<float>(scene_.iso_world),
-                         scene_.storage.format);
-}
-
-void Renderer::upload(const Progress& progress) {
-    surface_box_.reset();
-    field_ = {};
-    derivative_field_ = {};
-    const float iso = static_cast<float>(scene_.iso_world);
-    StorageOptions storage = scene_.storage;
-    if (derivative_control_) storage.budget_bytes /= 2;
-    field_ = FieldOnGpu(*scene_.field, *control_, kernel_of(scene_.filter), ranges_, active_, iso,
-                        storage, progress, scene_.quality.traversal, coarse_ ? &*coarse_ : nullptr);
-    if (derivative_control_) {
-        derivative_ranges_ = with_samples_of(*derivative_control_, ranges_, active_);
-        derivative_field_ =
-            FieldOnGpu(*scene_.field, *derivative_control_, kernel_of(*scene_.derivative_filter),
-                       derivative_ranges_, active_, iso, storage, progress);
-    }
+void Renderer::check_residence() {
     // Refining a sampled hit reads the block before as well, which may be gone by then; and only a
     // place in a list is kept from pass to pass.
-    const bool can_stream =
-        !scene_.quality.rate && scene_.quality.traversal == Traversal::TileLists;
-    if (!can_stream && !field_.pool().holds_all())
-        throw ResourceError(
-            "all bricks must fit the texture budget for sampling at a rate, and for "
-            "other ways to the blocks than lists");
+    const bool can_stream = !scene_.quality.rate &&
+                            scene_.quality.traversal == Traversal::TileLists &&
+                            !is_composed(scene_);
+    for (const LoadedObject& object : objects_)
+        if (!can_stream && !object.field().pool().holds_all())
+            throw ResourceError(
+                "all bricks must fit the texture budget for sampling at a rate, for other ways to "
+                "the blocks than lists, and for composed objects, each in an equal share");
     context_.throw_pending_error();
 }
 
-Traversal traversal_from_name(std::string_view name) {
-    if (name == "lists") return Traversal::TileLists;
-    if (name == "drawn") return Traversal::DrawnBlocks;
-    if (name == "bounds") return Traversal::BoundingFaces;
-    if (name == "walk") return Traversal::Walk;
-    throw InputError(fmt::format("'{}' is not one of lists, drawn, bounds, walk", name));
+Eigen::AlignedBox3d Renderer::composed_box() const {
+    std::vector<Eigen::AlignedBox3d> boxes;
+    for (const LoadedObject& object : objects_) {
+        boxes.push_back(world_box(object.surface_box(), object.object().field->space()));
+    }
+    using Box = Eigen::AlignedBox3d;
+    return evaluate(
+        tree_of(scene_), std::span<const Box>(boxes),
+        [](const Box& a, const Box& b) { return a.merged(b); },
+        [](const Box& a, const Box& b) { return a.intersection(b); },
+        [](const Box& a, const Box&) { return a; });
 }
 
-const IndexBox& Renderer::surface_box() const {
-    if (!surface_box_)
-        surface_box_ =
-            find_surface_box(*control_, ranges_, active_, static_cast<float>(scene_.iso_world));
-    return *surface_box_;
+bool Renderer::has_surface() const {
+    return is_composed(scene_) ? !composed_box().isEmpty() : !at(0).surface_box().is_empty();
 }
 
 std::array<Vec3d, 8> Renderer::surface_box_world() const {
-    const IndexBox box = has_surface() ? surface_box() : scene_.field->extent();
+    const FieldObject& first = at(0).object();
+    if (!has_surface()) return corners_of(first.field->extent(), first.field->space());
+    if (!is_composed(scene_)) return corners_of(at(0).surface_box(), first.field->space());
+    const Eigen::AlignedBox3d box = composed_box();
     std::array<Vec3d, 8> corners;
     for (int i = 0; i < 8; ++i)
-        corners[static_cast<std::size_t>(i)] = scene_.field->space().to_world(
-            Vec3d(i & 1 ? box.hi.x() - 1 : box.lo.x(), i & 2 ? box.hi.y() - 1 : box.lo.y(),
-                  i & 4 ? box.hi.z() - 1 : box.lo.z()));
+        corners[static_cast<std::size_t>(i)] =
+            box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i));
     return corners;
 }
 
@@ -171,21 +116,31 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
     if (width < 1 || height < 1 || width > limit || height > limit)
         throw InputError(fmt::format("picture size {}x{}: each side must lie between 1 and {}",
                                      width, height, limit));
-    const PlacesOnGpu places(scene_.quality.traversal, ranges_, active_, scene_.field->space(),
-                             camera, width, height);
-    const bool has_derivative_field = derivative_field_.byte_count() > 0;
+    std::vector<FrameObject> objects;
+    for (LoadedObject& object : objects_)
+        objects.push_back({object.object(),
+                           object.field(),
+                           object.derivative_field(),
+                           {scene_.quality.traversal, object.ranges(), object.active(),
+                            object.object().field->space(), camera, width, height},
+                           object.box_world()});
+    const PlacesOnGpu places_of_all =
+        is_composed(scene_) ? union_of_places(objects, width, height) : PlacesOnGpu();
+    const FrameObject& first = objects.front();
     FrameReport report;
     FrameContext frame{shaders_,
                        no_vertices_,
                        scene_,
-                       field_,
-                       has_derivative_field ? derivative_field_ : field_,
-                       places,
+                       first.object,
+                       first.field,
+                       first.derivative_field,
+                       is_composed(scene_) ? places_of_all : first.places,
                        camera,
                        width,
                        height,
                        targets_,
-                       look_textures_};
+                       look_textures_,
+                       objects};
     const std::vector<Pass> declared = declare_passes(frame);
     const std::vector<Pass> live = live_passes(declared, wanted);
     frame.has_fused_gradient =
@@ -231,7 +186,8 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
     for (PassReport& pass : report.passes)
         if (pass.ran) pass.milliseconds = timers.at(pass.name).milliseconds();
     report.programs_compiled = shaders_.compiled_program_count();
-    report.field_bytes = field_.byte_count() + derivative_field_.byte_count();
+    for (const LoadedObject& object : objects_) report.field_bytes += object.byte_count();
+    report.scratch_bytes = frame.scratch_bytes;
     report.notes = std::move(frame.notes);
     report.look_bytes = look_textures_.byte_count();
     return report;

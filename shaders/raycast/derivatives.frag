@@ -14,6 +14,9 @@
 layout(binding = 3) uniform sampler2D t_hit;
 uniform mat3 u_index_from_world;
 uniform vec3 u_eye_local;
+#if IS_OPERAND
+uniform int u_object; // of several, the one whose hits are looked at
+#endif
 #if ORDER == 1
 uniform float u_world_from_stored; // what a stored unit is
 #endif
@@ -28,6 +31,11 @@ void main() {
     o_derived = vec4(0.0);
     vec4 hit = texelFetch(t_hit, ivec2(gl_FragCoord.xy), 0);
     vec3 p_local = u_eye_local + u_index_from_world * hit.xyz;
+#if IS_OPERAND
+    // The composed function is the negative of an object that is taken away.
+    float orientation = sign(hit.w);
+    hit.w = int(abs(hit.w)) == u_object ? 1.0 : 0.0;
+#endif
 #if IS_STREAMED
     if (progress_of_pixel() == is_finished) discard;
     if (hit.w != 0.0) {
@@ -44,9 +52,15 @@ void main() {
         // Inverse transpose of world_from_index: voxels need not be cubes.
 #if ORDER == 1
         vec3 gradient_index = u_world_from_stored * field_gradient(p_local);
+#if IS_OPERAND
+        gradient_index *= orientation;
+#endif
         o_derived = vec4(transpose(u_index_from_world) * gradient_index, 1.0);
 #else
         Derivatives f = field_derivatives(p_local);
+#if IS_OPERAND
+        f = Derivatives(orientation * f.gradient, orientation * f.hessian);
+#endif
         vec3 gradient = transpose(u_index_from_world) * f.gradient;
         mat3 hessian = transpose(u_index_from_world) * f.hessian * u_index_from_world;
         o_derived = vec4(principal_curvatures(gradient, hessian), 0.0,
@@ -54,4 +68,7 @@ void main() {
 #endif
         is_waiting = o_derived.w < hit.w - 1e3; // never
     }
+#if IS_OPERAND
+    if (hit.w == 0.0) discard;
+#endif
 }

@@ -27,8 +27,28 @@ gl::ProgramKey bounds_program(const BrickPool& pool) {
     return {{"raycast/bounds.vert", "raycast/bounds.frag"}, pool.defines()};
 }
 
-gl::ProgramKey derivatives_program(std::map<std::string, std::string> defines, int order) {
-    defines.emplace("ORDER", std::to_string(order));
+/// What follows from the Hessian, and where raycast/derivatives.frag writes it.
+struct SecondOrder {
+    FrameImage image;
+    const char* attachment_define;
+};
+constexpr std::array second_order{
+    SecondOrder{FrameImage::Curvature, "CURVATURE_AT"},
+    SecondOrder{FrameImage::ViewCurvature, "VIEW_CURVATURE_AT"},
+    SecondOrder{FrameImage::FlowLineCurvature, "FLOW_LINE_CURVATURE_AT"}};
+
+gl::ProgramKey gradient_program(std::map<std::string, std::string> defines) {
+    defines.emplace("ORDER", "1");
+    return {{"common/tiles.vert", "raycast/derivatives.frag"}, std::move(defines)};
+}
+
+/// images  of second order, at least one
+gl::ProgramKey second_order_program(std::map<std::string, std::string> defines,
+                                    const ImageSet& images) {
+    defines.emplace("ORDER", "2");
+    int attachment = 0;
+    for (const auto& [image, define] : second_order)
+        defines.emplace(define, std::to_string(images.contains(image) ? attachment++ : -1));
     return {{"common/tiles.vert", "raycast/derivatives.frag"}, std::move(defines)};
 }
 
@@ -68,21 +88,17 @@ void set_face_uniforms(const gl::Program& program, const FrameContext& frame) {
                 static_cast<float>(2 * half_height / frame.height / 64 * voxels_per_world));
 }
 
-/// draw_tiles again and again, with the bricks loaded that pixels wait for, until none waits.
+/// draw_on_tiles again and again, with the bricks loaded that pixels wait for, until none waits.
 ///
 /// Every pass ends with the bricks in the pool that the first waiting pixels need, so each of them
 /// gets at least one block further.
-void draw_streamed(FrameContext& frame, FieldOnGpu& field, FrameImage image,
-                   const gl::Program& program) {
+void draw_streamed(FrameContext& frame, FieldOnGpu& field, const gl::Program& program) {
     BrickPool& pool = field.pool();
     gl::Texture progress =
         gl::Texture::image(gl::Format::R32i, frame.width, frame.height, "pixels' progress");
     progress.clear(-1); // shaders/raycast/stream.glsl: not_started
     const int block_count = field.block_count();
     gl::ReadbackBuffer visits(std::int64_t{block_count} * 4, "visited blocks");
-    frame.targets.framebuffer(image).bind();
-    const Eigen::Vector4f empty = Eigen::Vector4f::Zero();
-    glClearBufferfv(GL_COLOR, 0, empty.data());
     std::vector<int> used;
     std::vector<int> missing;
     do {
@@ -132,13 +148,16 @@ void draw_blocks(const FrameContext& frame, FrameImage image, const gl::Program&
     }
 }
 
-/// The pass of a program that reads the field, or that of derivatives.
-void draw_field(FrameContext& frame, FieldOnGpu& field, FrameImage image,
-                const gl::Program& program) {
+/// The pass of a program that reads the field, or that of derivatives: zero where it draws nothing.
+void draw_field(FrameContext& frame, FieldOnGpu& field, const gl::Framebuffer& target,
+                int attachment_count, const gl::Program& program) {
+    target.bind();
+    const Eigen::Vector4f empty = Eigen::Vector4f::Zero();
+    for (int i = 0; i < attachment_count; ++i) glClearBufferfv(GL_COLOR, i, empty.data());
     if (field.pool().holds_all())
-        draw_tiles(frame, image, program, Eigen::Vector4f::Zero());
+        draw_on_tiles(frame, program);
     else
-        draw_streamed(frame, field, image, program);
+        draw_streamed(frame, field, program);
 }
 
 /// Of shaders that go from hits to the field.
@@ -150,6 +169,17 @@ void set_hit_uniforms(const gl::Program& program, const FrameContext& frame,
     program.set(
         "u_eye_local",
         Eigen::Vector3f(eye_local(frame.camera, space, field.local_origin_index()).cast<float>()));
+}
+
+/// A program of raycast/derivatives.frag with the hits and the field that it reads.
+const gl::Program& bind_derivatives(FrameContext& frame, gl::ProgramKey key) {
+    const Kernel kernel = kernel_of(frame.scene.derivative_filter.value_or(frame.scene.filter));
+    key.defines["KERNEL"] = std::to_string(static_cast<int>(kernel));
+    const gl::Program& program = frame.shaders.program(key);
+    frame.derivative_field.bind(program);
+    frame.targets.texture(FrameImage::Hit).bind_to_unit(3);
+    set_hit_uniforms(program, frame, frame.derivative_field);
+    return program;
 }
 
 } // namespace
@@ -225,28 +255,48 @@ void run_raycast(FrameContext& frame) {
     if (frame.has_fused_gradient) {
         set_hit_uniforms(program, frame, frame.field);
         program.set("u_world_from_stored", frame.field.pool().world_from_stored());
-        frame.targets.hit_and_gradient.bind();
-        const Eigen::Vector4f empty = Eigen::Vector4f::Zero();
-        for (const int attachment : {0, 1}) glClearBufferfv(GL_COLOR, attachment, empty.data());
-        draw_on_tiles(frame, program);
+        draw_field(frame, frame.field, frame.targets.hit_and_gradient, 2, program);
     } else if (quality.traversal == Traversal::DrawnBlocks)
         draw_blocks(frame, FrameImage::Hit, program);
     else
-        draw_field(frame, frame.field, FrameImage::Hit, program);
+        draw_field(frame, frame.field, frame.targets.framebuffer(FrameImage::Hit), 1, program);
 }
 
-void run_derivatives(FrameContext& frame, FrameImage image, int order) {
+FrameImage drawn_with(const FrameContext& frame, FrameImage image) {
+    if (image == FrameImage::Gradient && frame.has_fused_gradient) return FrameImage::Hit;
+    if (std::ranges::find(second_order, image, &SecondOrder::image) == second_order.end())
+        return image;
+    return std::ranges::find_if(second_order,
+                                [&](const SecondOrder& other) {
+                                    return other.image == image || frame.live.contains(other.image);
+                                })
+        ->image;
+}
+
+void run_gradient(FrameContext& frame) {
+    if (drawn_with(frame, FrameImage::Gradient) != FrameImage::Gradient) return;
     FieldOnGpu& field = frame.derivative_field;
-    gl::ProgramKey key = derivatives_program(field.pool().defines(), order);
-    const Kernel kernel = kernel_of(frame.scene.derivative_filter.value_or(frame.scene.filter));
-    key.defines["KERNEL"] = std::to_string(static_cast<int>(kernel));
-    const gl::Program& program = frame.shaders.program(key);
-    field.bind(program);
-    frame.targets.texture(FrameImage::Hit).bind_to_unit(3);
-    set_hit_uniforms(program, frame, field);
-    // Curvatures do not depend on the unit of values.
-    if (order == 1) program.set("u_world_from_stored", field.pool().world_from_stored());
-    draw_field(frame, field, image, program);
+    const gl::Program& program = bind_derivatives(frame, gradient_program(field.pool().defines()));
+    program.set("u_world_from_stored", field.pool().world_from_stored());
+    draw_field(frame, field, frame.targets.framebuffer(FrameImage::Gradient), 1, program);
+}
+
+void run_second_order(FrameContext& frame, FrameImage image) {
+    if (drawn_with(frame, image) != image) return;
+    FieldOnGpu& field = frame.derivative_field;
+    const gl::Program& program =
+        bind_derivatives(frame, second_order_program(field.pool().defines(), frame.live));
+    if (frame.live.contains(FrameImage::ViewCurvature))
+        program.set(
+            "u_ray_vector_world",
+            Eigen::Matrix3f(
+                world_vector_coefficients(frame.camera, frame.width, frame.height).cast<float>()));
+    std::vector<const gl::Texture*> textures;
+    for (const SecondOrder& other : second_order)
+        if (frame.live.contains(other.image))
+            textures.push_back(&frame.targets.texture(other.image));
+    draw_field(frame, field, gl::Framebuffer(textures, "of second order"),
+               static_cast<int>(textures.size()), program);
 }
 
 std::vector<gl::ProgramKey> field_programs() {
@@ -266,7 +316,8 @@ std::vector<gl::ProgramKey> field_programs() {
             defines.merge(BrickPool().defines());
             for (const int is_streamed : {0, 1}) {
                 defines["IS_STREAMED"] = std::to_string(is_streamed);
-                for (const int order : {1, 2}) keys.push_back(derivatives_program(defines, order));
+                keys.push_back(gradient_program(defines));
+                keys.push_back(second_order_program(defines, {FrameImage::Curvature}));
                 for (const int search : {0, 1}) {
                     for (const Traversal traversal : {Traversal::TileLists, Traversal::DrawnBlocks,
                                                       Traversal::BoundingFaces, Traversal::Walk}) {
@@ -281,6 +332,16 @@ std::vector<gl::ProgramKey> field_programs() {
                 }
             }
         }
+    }
+    // What is written does not depend on how the field is read: the default storage stands for all.
+    std::map<std::string, std::string> defines = BrickPool().defines();
+    defines.emplace("KERNEL", std::to_string(static_cast<int>(Kernel::BSpline)));
+    defines.emplace("IS_STREAMED", "0");
+    for (unsigned set = 2; set < 1U << second_order.size(); ++set) {
+        ImageSet images;
+        for (std::size_t i = 0; i < second_order.size(); ++i)
+            if (set & 1U << i) images.insert(second_order[i].image);
+        keys.push_back(second_order_program(defines, images));
     }
     return keys;
 }

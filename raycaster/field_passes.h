@@ -12,8 +12,11 @@ bool can_fuse_gradient(const FrameContext& frame);
 
 void run_bounds(FrameContext& frame);
 void run_raycast(FrameContext& frame);
-/// order  of raycast/derivatives.frag: 1 for the gradient, 2 for curvatures
-void run_derivatives(FrameContext& frame, FrameImage image, int order);
+/// The image whose pass draws `image` too, because it fetches the same: another one, or itself.
+FrameImage drawn_with(const FrameContext& frame, FrameImage image);
+void run_gradient(FrameContext& frame);
+/// Curvature, ViewCurvature, FlowLineCurvature: the first live one draws all live ones.
+void run_second_order(FrameContext& frame, FrameImage image);
 
 /// Every program that these can ask for, up to its strides.
 std::vector<gl::ProgramKey> field_programs();

@@ -13,16 +13,19 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
     return {
         {"bounds", {}, FrameImage::Bounds, [&frame] { run_bounds(frame); }},
         {"raycast", bounds, FrameImage::Hit, [&frame] { run_raycast(frame); }},
-        {"gradient",
-         {FrameImage::Hit},
-         FrameImage::Gradient,
-         [&frame] {
-             if (!frame.has_fused_gradient) run_derivatives(frame, FrameImage::Gradient, 1);
-         }},
+        {"gradient", {FrameImage::Hit}, FrameImage::Gradient, [&frame] { run_gradient(frame); }},
         {"curvature",
          {FrameImage::Hit},
          FrameImage::Curvature,
-         [&frame] { run_derivatives(frame, FrameImage::Curvature, 2); }},
+         [&frame] { run_second_order(frame, FrameImage::Curvature); }},
+        {"view curvature",
+         {FrameImage::Hit},
+         FrameImage::ViewCurvature,
+         [&frame] { run_second_order(frame, FrameImage::ViewCurvature); }},
+        {"flow line curvature",
+         {FrameImage::Hit},
+         FrameImage::FlowLineCurvature,
+         [&frame] { run_second_order(frame, FrameImage::FlowLineCurvature); }},
         {"shading", shading_reads(frame.scene.look), FrameImage::Beauty,
          [&frame] { run_shading(frame); }},
     };

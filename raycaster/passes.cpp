@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "raycaster/passes.h"
 
+#include "raycaster/effects/effects.h"
 #include "raycaster/field_passes.h"
 #include "raycaster/shading.h"
 
@@ -26,6 +27,26 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
          {FrameImage::Hit},
          FrameImage::FlowLineCurvature,
          [&frame] { run_second_order(frame, FrameImage::FlowLineCurvature); }},
+        {"uncertainty",
+         {FrameImage::Hit, FrameImage::Gradient, FrameImage::FlowLineCurvature},
+         FrameImage::Uncertainty,
+         [&frame] { run_uncertainty(frame); }},
+        {"ridges",
+         {FrameImage::Hit, FrameImage::Curvature},
+         FrameImage::Ridges,
+         [&frame] { run_ridges(frame); }},
+        {"contours",
+         {FrameImage::Hit, FrameImage::Gradient, FrameImage::ViewCurvature},
+         FrameImage::Contours,
+         [&frame] { run_contours(frame); }},
+        {"outline source",
+         {FrameImage::Hit, FrameImage::Gradient},
+         FrameImage::OutlineSource,
+         [&frame] { run_outline_source(frame); }},
+        {"outlines",
+         {FrameImage::OutlineSource},
+         FrameImage::Outlines,
+         [&frame] { run_outlines(frame); }},
         {"shading", shading_reads(frame.scene.look), FrameImage::Beauty,
          [&frame] { run_shading(frame); }},
     };
@@ -33,7 +54,10 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
 
 std::vector<gl::ProgramKey> all_programs() {
     std::vector<gl::ProgramKey> keys = field_programs();
-    for (const gl::ProgramKey& key : shading_programs()) keys.push_back(key);
+    for (const std::vector<gl::ProgramKey>& more :
+         {contours_programs(), ridges_programs(), uncertainty_programs(), outlines_programs(),
+          shading_programs()})
+        keys.insert(keys.end(), more.begin(), more.end());
     return keys;
 }
 

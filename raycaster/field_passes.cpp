@@ -28,10 +28,30 @@ gl::ProgramKey bounds_program(const BrickPool& pool) {
     return {{"raycast/bounds.vert", "raycast/bounds.frag"}, pool.defines()};
 }
 
-gl::ProgramKey derivatives_program(std::map<std::string, std::string> defines, int order,
-                                   bool is_operand) {
+/// What follows from the Hessian, and where raycast/derivatives.frag writes it.
+struct SecondOrder {
+    FrameImage image;
+    const char* attachment_define;
+};
+constexpr std::array second_order{
+    SecondOrder{FrameImage::Curvature, "CURVATURE_AT"},
+    SecondOrder{FrameImage::ViewCurvature, "VIEW_CURVATURE_AT"},
+    SecondOrder{FrameImage::FlowLineCurvature, "FLOW_LINE_CURVATURE_AT"}};
+
+gl::ProgramKey gradient_program(std::map<std::string, std::string> defines, bool is_operand) {
     defines.emplace("IS_OPERAND", is_operand ? "1" : "0");
-    defines.emplace("ORDER", std::to_string(order));
+    defines.emplace("ORDER", "1");
+    return {{"common/tiles.vert", "raycast/derivatives.frag"}, std::move(defines)};
+}
+
+/// images  of second order, at least one
+gl::ProgramKey second_order_program(std::map<std::string, std::string> defines, bool is_operand,
+                                    const ImageSet& images) {
+    defines.emplace("IS_OPERAND", is_operand ? "1" : "0");
+    defines.emplace("ORDER", "2");
+    int attachment = 0;
+    for (const auto& [image, define] : second_order)
+        defines.emplace(define, std::to_string(images.contains(image) ? attachment++ : -1));
     return {{"common/tiles.vert", "raycast/derivatives.frag"}, std::move(defines)};
 }
 
@@ -71,21 +91,17 @@ void set_face_uniforms(const gl::Program& program, const FrameContext& frame) {
                 static_cast<float>(2 * half_height / frame.height / 64 * voxels_per_world));
 }
 
-/// draw_tiles again and again, with the bricks loaded that pixels wait for, until none waits.
+/// draw_on_tiles again and again, with the bricks loaded that pixels wait for, until none waits.
 ///
 /// Every pass ends with the bricks in the pool that the first waiting pixels need, so each of them
 /// gets at least one block further.
-void draw_streamed(FrameContext& frame, FieldOnGpu& field, FrameImage image,
-                   const gl::Program& program) {
+void draw_streamed(FrameContext& frame, FieldOnGpu& field, const gl::Program& program) {
     BrickPool& pool = field.pool();
     gl::Texture progress =
         gl::Texture::image(gl::Format::R32i, frame.width, frame.height, "pixels' progress");
     progress.clear(-1); // shaders/raycast/stream.glsl: not_started
     const int block_count = field.block_count();
     gl::ReadbackBuffer visits(std::int64_t{block_count} * 4, "visited blocks");
-    frame.targets.framebuffer(image).bind();
-    const Eigen::Vector4f empty = Eigen::Vector4f::Zero();
-    glClearBufferfv(GL_COLOR, 0, empty.data());
     std::vector<int> used;
     std::vector<int> missing;
     do {
@@ -135,13 +151,16 @@ void draw_blocks(const FrameContext& frame, FrameImage image, const gl::Program&
     }
 }
 
-/// The pass of a program that reads the field, or that of derivatives.
-void draw_field(FrameContext& frame, FieldOnGpu& field, FrameImage image,
-                const gl::Program& program) {
+/// The pass of a program that reads the field, or that of derivatives: zero where it draws nothing.
+void draw_field(FrameContext& frame, FieldOnGpu& field, const gl::Framebuffer& target,
+                int attachment_count, const gl::Program& program) {
+    target.bind();
+    const Eigen::Vector4f empty = Eigen::Vector4f::Zero();
+    for (int i = 0; i < attachment_count; ++i) glClearBufferfv(GL_COLOR, i, empty.data());
     if (field.pool().holds_all())
-        draw_tiles(frame, image, program, Eigen::Vector4f::Zero());
+        draw_on_tiles(frame, program);
     else
-        draw_streamed(frame, field, image, program);
+        draw_streamed(frame, field, program);
 }
 
 /// Of shaders that go from hits to the field.
@@ -153,6 +172,41 @@ void set_hit_uniforms(const gl::Program& program, const FrameContext& frame,
     program.set(
         "u_eye_local",
         Eigen::Vector3f(eye_local(frame.camera, space, field.local_origin_index()).cast<float>()));
+}
+
+/// Runs raycast/derivatives.frag: of composed objects each one's, on the pixels that it owns.
+///
+/// key_of(object, is_operand)  its program, but for the kernel
+/// set_more(program, object)   its uniforms beside those of all programs
+template<class KeyOf, class SetMore>
+void draw_derivatives(FrameContext& frame, const gl::Framebuffer& target, int attachment_count,
+                      KeyOf key_of, SetMore set_more) {
+    const bool is_operand = is_composed(frame.scene);
+    const auto prepared = [&](const FrameContext& object) -> const gl::Program& {
+        gl::ProgramKey key = key_of(object, is_operand);
+        const Kernel kernel =
+            kernel_of(object.object.derivative_filter.value_or(object.object.filter));
+        key.defines["KERNEL"] = std::to_string(static_cast<int>(kernel));
+        const gl::Program& program = object.shaders.program(key);
+        object.derivative_field.bind(program);
+        object.targets.texture(FrameImage::Hit).bind_to_unit(3);
+        set_hit_uniforms(program, object, object.derivative_field);
+        set_more(program, object);
+        return program;
+    };
+    if (!is_operand) {
+        draw_field(frame, frame.derivative_field, target, attachment_count, prepared(frame));
+        return;
+    }
+    target.bind();
+    const Eigen::Vector4f empty = Eigen::Vector4f::Zero();
+    for (int i = 0; i < attachment_count; ++i) glClearBufferfv(GL_COLOR, i, empty.data());
+    for (int i = 0; i < std::ssize(frame.objects); ++i) {
+        const FrameContext object = of_object(frame, frame.objects[static_cast<std::size_t>(i)]);
+        const gl::Program& program = prepared(object);
+        program.set("u_object", i + 1);
+        draw_on_tiles(object, program);
+    }
 }
 
 } // namespace
@@ -238,51 +292,55 @@ void run_raycast(FrameContext& frame) {
     if (frame.has_fused_gradient) {
         set_hit_uniforms(program, frame, frame.field);
         program.set("u_world_from_stored", frame.field.pool().world_from_stored());
-        frame.targets.hit_and_gradient.bind();
-        const Eigen::Vector4f empty = Eigen::Vector4f::Zero();
-        for (const int attachment : {0, 1}) glClearBufferfv(GL_COLOR, attachment, empty.data());
-        draw_on_tiles(frame, program);
+        draw_field(frame, frame.field, frame.targets.hit_and_gradient, 2, program);
     } else if (quality.traversal == Traversal::DrawnBlocks)
         draw_blocks(frame, FrameImage::Hit, program);
     else
-        draw_field(frame, frame.field, FrameImage::Hit, program);
+        draw_field(frame, frame.field, frame.targets.framebuffer(FrameImage::Hit), 1, program);
 }
 
-namespace {
-
-/// A program that finds derivatives of the frame's object, ready to draw.
-const gl::Program& derivatives_of_object(const FrameContext& frame, int order) {
-    const FieldOnGpu& field = frame.derivative_field;
-    gl::ProgramKey key =
-        derivatives_program(field.pool().defines(), order, is_composed(frame.scene));
-    const Kernel kernel = kernel_of(frame.object.derivative_filter.value_or(frame.object.filter));
-    key.defines["KERNEL"] = std::to_string(static_cast<int>(kernel));
-    const gl::Program& program = frame.shaders.program(key);
-    field.bind(program);
-    frame.targets.texture(FrameImage::Hit).bind_to_unit(3);
-    set_hit_uniforms(program, frame, field);
-    // Curvatures do not depend on the unit of values.
-    if (order == 1) program.set("u_world_from_stored", field.pool().world_from_stored());
-    return program;
+FrameImage drawn_with(const FrameContext& frame, FrameImage image) {
+    if (image == FrameImage::Gradient && frame.has_fused_gradient) return FrameImage::Hit;
+    if (std::ranges::find(second_order, image, &SecondOrder::image) == second_order.end())
+        return image;
+    return std::ranges::find_if(second_order,
+                                [&](const SecondOrder& other) {
+                                    return other.image == image || frame.live.contains(other.image);
+                                })
+        ->image;
 }
 
-} // namespace
+void run_gradient(FrameContext& frame) {
+    if (drawn_with(frame, FrameImage::Gradient) != FrameImage::Gradient) return;
+    draw_derivatives(
+        frame, frame.targets.framebuffer(FrameImage::Gradient), 1,
+        [](const FrameContext& object, bool is_operand) {
+            return gradient_program(object.derivative_field.pool().defines(), is_operand);
+        },
+        [](const gl::Program& program, const FrameContext& object) {
+            program.set("u_world_from_stored", object.derivative_field.pool().world_from_stored());
+        });
+}
 
-void run_derivatives(FrameContext& frame, FrameImage image, int order) {
-    if (!is_composed(frame.scene)) {
-        draw_field(frame, frame.derivative_field, image, derivatives_of_object(frame, order));
-        return;
-    }
-    // Each object's on the pixels that it owns.
-    frame.targets.framebuffer(image).bind();
-    const Eigen::Vector4f empty = Eigen::Vector4f::Zero();
-    glClearBufferfv(GL_COLOR, 0, empty.data());
-    for (int i = 0; i < std::ssize(frame.objects); ++i) {
-        const FrameContext object = of_object(frame, frame.objects[static_cast<std::size_t>(i)]);
-        const gl::Program& program = derivatives_of_object(object, order);
-        program.set("u_object", i + 1);
-        draw_on_tiles(object, program);
-    }
+void run_second_order(FrameContext& frame, FrameImage image) {
+    if (drawn_with(frame, image) != image) return;
+    std::vector<const gl::Texture*> textures;
+    for (const SecondOrder& other : second_order)
+        if (frame.live.contains(other.image))
+            textures.push_back(&frame.targets.texture(other.image));
+    draw_derivatives(
+        frame, gl::Framebuffer(textures, "of second order"), static_cast<int>(textures.size()),
+        [&](const FrameContext& object, bool is_operand) {
+            return second_order_program(object.derivative_field.pool().defines(), is_operand,
+                                        frame.live);
+        },
+        [&](const gl::Program& program, const FrameContext&) {
+            if (frame.live.contains(FrameImage::ViewCurvature))
+                program.set("u_ray_vector_world",
+                            Eigen::Matrix3f(
+                                world_vector_coefficients(frame.camera, frame.width, frame.height)
+                                    .cast<float>()));
+        });
 }
 
 std::vector<gl::ProgramKey> field_programs() {
@@ -302,10 +360,12 @@ std::vector<gl::ProgramKey> field_programs() {
             defines.merge(BrickPool().defines());
             for (const int is_streamed : {0, 1}) {
                 defines["IS_STREAMED"] = std::to_string(is_streamed);
-                for (const int order : {1, 2})
-                    for (const bool is_operand : {false, true})
-                        if (is_streamed == 0 || !is_operand)
-                            keys.push_back(derivatives_program(defines, order, is_operand));
+                for (const bool is_operand : {false, true}) {
+                    if (is_streamed != 0 && is_operand) continue;
+                    keys.push_back(gradient_program(defines, is_operand));
+                    keys.push_back(
+                        second_order_program(defines, is_operand, {FrameImage::Curvature}));
+                }
                 if (is_streamed == 0)
                     keys.push_back(raycast_program(defines, 0, Traversal::TileLists, false, true));
                 for (const int search : {0, 1}) {
@@ -322,6 +382,17 @@ std::vector<gl::ProgramKey> field_programs() {
                 }
             }
         }
+    }
+    // What is written does not depend on how the field is read: the default storage stands for all.
+    std::map<std::string, std::string> defines = BrickPool().defines();
+    defines.emplace("KERNEL", std::to_string(static_cast<int>(Kernel::BSpline)));
+    defines.emplace("IS_STREAMED", "0");
+    for (unsigned set = 2; set < 1U << second_order.size(); ++set) {
+        ImageSet images;
+        for (std::size_t i = 0; i < second_order.size(); ++i)
+            if (set & 1U << i) images.insert(second_order[i].image);
+        for (const bool is_operand : {false, true})
+            keys.push_back(second_order_program(defines, is_operand, images));
     }
     return keys;
 }

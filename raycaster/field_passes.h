@@ -12,10 +12,12 @@ bool can_fuse_gradient(const FrameContext& frame);
 
 void run_bounds(FrameContext& frame);
 void run_raycast(FrameContext& frame);
-/// Of composed objects each one's, where it is hit.
-///
-/// order  of raycast/derivatives.frag: 1 for the gradient, 2 for curvatures
-void run_derivatives(FrameContext& frame, FrameImage image, int order);
+/// The image whose pass draws `image` too, because it fetches the same: another one, or itself.
+FrameImage drawn_with(const FrameContext& frame, FrameImage image);
+// Of composed objects each one's, where it is hit.
+void run_gradient(FrameContext& frame);
+/// Curvature, ViewCurvature, FlowLineCurvature: the first live one draws all live ones.
+void run_second_order(FrameContext& frame, FrameImage image);
 
 /// Binds and sets what raycast/raycast.frag needs of the frame's object.
 /// returns  the rays, as set

@@ -59,6 +59,14 @@ const gl::Texture& LookTextures::texture(const std::string& name,
     return found->second;
 }
 
+std::optional<double> LookTextures::number(const std::string& name,
+                                           const std::function<std::optional<double>()>& find) {
+    if (const auto found = numbers_.find(name); found != numbers_.end()) return found->second;
+    const std::optional<double> number = find();
+    if (number) numbers_.emplace(name, *number);
+    return number;
+}
+
 std::int64_t LookTextures::byte_count() const {
     std::int64_t bytes = 0;
     for (const auto& [name, texture] : textures_) bytes += texture.byte_count();
@@ -130,9 +138,16 @@ gl::Format format_of(FrameImage image) {
         return gl::Format::Rgba16f;
     case FrameImage::Bounds:
         return gl::Format::Rg32f;
+    case FrameImage::ViewCurvature:
+    case FrameImage::FlowLineCurvature:
+        return gl::Format::R32f;
     default:
         return gl::Format::Rgba32f;
     }
+}
+
+gl::Filter filter_of(FrameImage image) {
+    return image == FrameImage::OutlineSource ? gl::Filter::Linear : gl::Filter::Nearest;
 }
 
 } // namespace isocast

@@ -9,6 +9,7 @@
 #include <array>
 #include <functional>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -31,10 +32,14 @@ class LookTextures {
 public:
     /// Made on the first call with this name.
     const gl::Texture& texture(const std::string& name, const std::function<gl::Texture()>& make);
+    /// A number found in the look's first picture that has any, so that sequences do not flicker.
+    std::optional<double> number(const std::string& name,
+                                 const std::function<std::optional<double>()>& find);
     std::int64_t byte_count() const;
 
 private:
     std::map<std::string, gl::Texture> textures_;
+    std::map<std::string, double> numbers_;
 };
 
 /// An object as a frame sees it.
@@ -66,6 +71,7 @@ struct FrameContext {
     LookTextures& look_textures;
     std::span<const FrameObject> objects = {}; // all, by number
     std::int64_t scratch_bytes = 0;      // of textures that a pass made for itself alone, the most
+    ImageSet live = {};                  // what the passes of this frame write
     bool has_fused_gradient = false;     // the pass "raycast" writes gradients too
     std::vector<std::string> notes = {}; // what was chosen for the user, to be reported
 };
@@ -104,5 +110,7 @@ Vec3d eye_local(const Camera& camera, const GridSpace& space, const Index3& loca
 
 /// The format of each frame image.
 gl::Format format_of(FrameImage image);
+/// How shaders that do not fetch single texels read it.
+gl::Filter filter_of(FrameImage image);
 
 } // namespace isocast

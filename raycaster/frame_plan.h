@@ -16,8 +16,11 @@ enum class FrameImage {
     Hit,       // first hit: eye-relative position [world], object
     Gradient,  // gradient of the field at the hit [1/world * world], world axes
     Curvature, // principal curvatures k1 >= k2 [1/world], 0; 1, or 2 where the gradient vanishes
-    Direction, // principal direction, unit, world axes; how far the curvatures differ
-    ShadowMap, // first hits from the light
+    ViewCurvature,     // normal curvature in the direction of the ray [1/world]
+    FlowLineCurvature, // how fast the gradient turns along itself [1/world]
+    Direction,         // principal direction, unit, world axes; how far the curvatures differ
+    ShadowMap,         // first hits from the light
+    OutlineSource,     // unit normal, nearness, affine over the picture of a plane; 0 beside hits
     // What effects make. Layers: linear RGB, coverage.
     SolidTexture,
     CurvatureColour,
@@ -34,7 +37,7 @@ enum class FrameImage {
     Outlines,
     Beauty, // shaded colour, linear; coverage
 };
-inline constexpr int frame_image_count = 20;
+inline constexpr int frame_image_count = 23;
 
 std::string_view name_of(FrameImage image);
 

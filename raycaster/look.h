@@ -127,7 +127,9 @@ struct Ridges {
 /// gradient [Kindlmann et al. 2003, section 4.3].
 struct Uncertainty {
     double strength = 0;
-    std::optional<double> range; // of flow-line curvature [1/world] that is certain to be uncertain
+    std::optional<double> range; // flow-line curvature of full uncertainty [1/world]
+    /// Half of it is where weak gradients begin to count; else the picture's median.
+    std::optional<double> typical_gradient;
     Vec3d colour = Vec3d(0.8, 0.1, 0.1);
 };
 
@@ -153,8 +155,8 @@ struct Refraction {
 /// Sobel edges of depth and normals (thesis section 7.3.3).
 struct Outlines {
     double strength = 0;
-    double silhouette_threshold = 0.02; // of depth, relative to the object's size
-    double crease_threshold = 0.8;      // of normals
+    double silhouette_threshold = 0.02; // a step in depth, relative to the field's diagonal
+    double crease_threshold = 0.8;      // the length of a step in unit normals
     Vec3d colour = Vec3d::Zero();
 };
 

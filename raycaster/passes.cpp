@@ -2,6 +2,7 @@
 #include "raycaster/passes.h"
 
 #include "raycaster/composition.h"
+#include "raycaster/effects/effects.h"
 #include "raycaster/field_passes.h"
 #include "raycaster/shading.h"
 
@@ -20,16 +21,39 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
              else
                  run_raycast(frame);
          }},
-        {"gradient",
-         {FrameImage::Hit},
-         FrameImage::Gradient,
-         [&frame] {
-             if (!frame.has_fused_gradient) run_derivatives(frame, FrameImage::Gradient, 1);
-         }},
+        {"gradient", {FrameImage::Hit}, FrameImage::Gradient, [&frame] { run_gradient(frame); }},
         {"curvature",
          {FrameImage::Hit},
          FrameImage::Curvature,
-         [&frame] { run_derivatives(frame, FrameImage::Curvature, 2); }},
+         [&frame] { run_second_order(frame, FrameImage::Curvature); }},
+        {"view curvature",
+         {FrameImage::Hit},
+         FrameImage::ViewCurvature,
+         [&frame] { run_second_order(frame, FrameImage::ViewCurvature); }},
+        {"flow line curvature",
+         {FrameImage::Hit},
+         FrameImage::FlowLineCurvature,
+         [&frame] { run_second_order(frame, FrameImage::FlowLineCurvature); }},
+        {"uncertainty",
+         {FrameImage::Hit, FrameImage::Gradient, FrameImage::FlowLineCurvature},
+         FrameImage::Uncertainty,
+         [&frame] { run_uncertainty(frame); }},
+        {"ridges",
+         {FrameImage::Hit, FrameImage::Curvature},
+         FrameImage::Ridges,
+         [&frame] { run_ridges(frame); }},
+        {"contours",
+         {FrameImage::Hit, FrameImage::Gradient, FrameImage::ViewCurvature},
+         FrameImage::Contours,
+         [&frame] { run_contours(frame); }},
+        {"outline source",
+         {FrameImage::Hit, FrameImage::Gradient},
+         FrameImage::OutlineSource,
+         [&frame] { run_outline_source(frame); }},
+        {"outlines",
+         {FrameImage::OutlineSource},
+         FrameImage::Outlines,
+         [&frame] { run_outlines(frame); }},
         {"shading", shading_reads(frame.scene.look), FrameImage::Beauty,
          [&frame] { run_shading(frame); }},
     };
@@ -37,8 +61,10 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
 
 std::vector<gl::ProgramKey> all_programs() {
     std::vector<gl::ProgramKey> keys = field_programs();
-    for (const gl::ProgramKey& key : composition_programs()) keys.push_back(key);
-    for (const gl::ProgramKey& key : shading_programs()) keys.push_back(key);
+    for (const std::vector<gl::ProgramKey>& more :
+         {composition_programs(), contours_programs(), ridges_programs(), uncertainty_programs(),
+          outlines_programs(), shading_programs()})
+        keys.insert(keys.end(), more.begin(), more.end());
     return keys;
 }
 

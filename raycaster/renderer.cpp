@@ -143,15 +143,13 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
                        objects};
     const std::vector<Pass> declared = declare_passes(frame);
     const std::vector<Pass> live = live_passes(declared, wanted);
+    for (const Pass& pass : live) frame.live.insert(pass.writes);
     frame.has_fused_gradient =
-        can_fuse_gradient(frame) && std::ranges::any_of(live, [](const Pass& pass) {
-            return pass.writes == FrameImage::Gradient;
-        });
+        can_fuse_gradient(frame) && frame.live.contains(FrameImage::Gradient);
 
     for (const Pass& pass : declared) {
         gl::Texture& texture = targets_.texture(pass.writes);
-        const bool is_live =
-            std::ranges::any_of(live, [&](const Pass& other) { return other.name == pass.name; });
+        const bool is_live = frame.live.contains(pass.writes);
         if (!is_live) {
             if (!texture.is_empty()) targets_.hit_and_gradient = {};
             targets_.framebuffer(pass.writes) = {};
@@ -160,13 +158,16 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
             targets_.hit_and_gradient = {};
             targets_.framebuffer(pass.writes) = {};
             texture = {};
-            texture =
-                gl::Texture::image(format_of(pass.writes), width, height, name_of(pass.writes));
+            texture = gl::Texture::image(format_of(pass.writes), width, height,
+                                         name_of(pass.writes), filter_of(pass.writes));
             targets_.framebuffer(pass.writes) = gl::Framebuffer({&texture}, name_of(pass.writes));
         }
-        const bool is_fused = frame.has_fused_gradient && pass.writes == FrameImage::Gradient;
-        report.passes.push_back({std::string(pass.name), is_live, asked_by(pass, live, wanted),
-                                 is_fused ? "raycast" : "", 0, texture.byte_count()});
+        const auto drawer =
+            std::ranges::find(declared, drawn_with(frame, pass.writes), &Pass::writes);
+        report.passes.push_back(
+            {std::string(pass.name), is_live, asked_by(pass, live, wanted),
+             is_live && drawer->name != pass.name ? std::string(drawer->name) : "", 0,
+             texture.byte_count()});
         report.image_bytes += texture.byte_count();
     }
     if (frame.has_fused_gradient && targets_.hit_and_gradient.id() == 0)

@@ -3,7 +3,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #version 450 core
 #include "raycast/field.glsl"
-// ORDER 1: the gradient, 2: principal curvatures.
+// ORDER 1: the gradient; 2: what follows from the Hessian, each to its attachment, -1 for none.
 #if ORDER == 2
 #include "filtering/curvature.glsl"
 #endif
@@ -22,13 +22,35 @@ uniform float u_world_from_stored; // what a stored unit is
 #endif
 
 #if ORDER == 1
-out vec4 o_derived; // gradient, world axes; w 1 on a hit
+out vec4 o_gradient; // world axes; w 1 on a hit
 #else
-out vec4 o_derived; // k1 >= k2 [1/world], 0; w 1 on a hit, 2 where the gradient vanishes
+#if CURVATURE_AT >= 0
+// k1 >= k2 [1/world], 0; w 1 on a hit, 2 where the gradient vanishes
+layout(location = CURVATURE_AT) out vec4 o_curvature;
+#endif
+#if VIEW_CURVATURE_AT >= 0
+layout(location = VIEW_CURVATURE_AT) out float o_view_curvature; // [1/world]
+uniform mat3 u_ray_vector_world; // affine in the pixel
+#endif
+#if FLOW_LINE_CURVATURE_AT >= 0
+layout(location = FLOW_LINE_CURVATURE_AT) out float o_flow_line_curvature; // [1/world]
+#endif
 #endif
 
 void main() {
-    o_derived = vec4(0.0);
+#if ORDER == 1
+    o_gradient = vec4(0.0);
+#else
+#if CURVATURE_AT >= 0
+    o_curvature = vec4(0.0);
+#endif
+#if VIEW_CURVATURE_AT >= 0
+    o_view_curvature = 0.0;
+#endif
+#if FLOW_LINE_CURVATURE_AT >= 0
+    o_flow_line_curvature = 0.0;
+#endif
+#endif
     vec4 hit = texelFetch(t_hit, ivec2(gl_FragCoord.xy), 0);
     vec3 p_local = u_eye_local + u_index_from_world * hit.xyz;
 #if IS_OPERAND
@@ -55,7 +77,8 @@ void main() {
 #if IS_OPERAND
         gradient_index *= orientation;
 #endif
-        o_derived = vec4(transpose(u_index_from_world) * gradient_index, 1.0);
+        o_gradient = vec4(transpose(u_index_from_world) * gradient_index, 1.0);
+        is_waiting = o_gradient.w < hit.w - 1e3; // never
 #else
         Derivatives f = field_derivatives(p_local);
 #if IS_OPERAND
@@ -63,10 +86,19 @@ void main() {
 #endif
         vec3 gradient = transpose(u_index_from_world) * f.gradient;
         mat3 hessian = transpose(u_index_from_world) * f.hessian * u_index_from_world;
-        o_derived = vec4(principal_curvatures(gradient, hessian), 0.0,
-                         dot(gradient, gradient) > 0.0 ? 1.0 : 2.0);
+        is_waiting = f.gradient.x < hit.w - 1e30; // never
+#if CURVATURE_AT >= 0
+        o_curvature = vec4(principal_curvatures(gradient, hessian), 0.0,
+                           dot(gradient, gradient) > 0.0 ? 1.0 : 2.0);
 #endif
-        is_waiting = o_derived.w < hit.w - 1e3; // never
+#if VIEW_CURVATURE_AT >= 0
+        o_view_curvature =
+            normal_curvature(gradient, hessian, u_ray_vector_world * vec3(1.0, gl_FragCoord.xy));
+#endif
+#if FLOW_LINE_CURVATURE_AT >= 0
+        o_flow_line_curvature = flow_line_curvature(gradient, hessian);
+#endif
+#endif
     }
 #if IS_OPERAND
     if (hit.w == 0.0) discard;

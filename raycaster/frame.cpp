@@ -59,6 +59,15 @@ const gl::Texture& LookTextures::texture(const std::string& name,
     return found->second;
 }
 
+std::optional<std::array<double, 2>>
+LookTextures::range(const std::string& name,
+                    const std::function<std::optional<std::array<double, 2>>()>& find) {
+    if (const auto kept = ranges_.find(name); kept != ranges_.end()) return kept->second;
+    const auto found = find();
+    if (found) ranges_.emplace(name, *found);
+    return found;
+}
+
 std::int64_t LookTextures::byte_count() const {
     std::int64_t bytes = 0;
     for (const auto& [name, texture] : textures_) bytes += texture.byte_count();
@@ -111,6 +120,12 @@ Vec3d eye_local(const Camera& camera, const GridSpace& space, const Index3& loca
 
 gl::Format format_of(FrameImage image) {
     switch (image) {
+    case FrameImage::SolidTexture:
+    case FrameImage::CurvatureColour:
+    case FrameImage::CurvatureMap:
+    case FrameImage::Accessibility:
+    case FrameImage::Refraction:
+    case FrameImage::Reflection:
     case FrameImage::Beauty:
         return gl::Format::Rgba16f;
     case FrameImage::Bounds:

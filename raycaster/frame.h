@@ -25,15 +25,22 @@ struct FrameTargets {
     }
 };
 
-/// Textures that effects make from the scene (environments, maps, noise), kept from frame to frame.
+/// What effects make from the scene (environments, maps, noise) and find in its first picture,
+/// kept from frame to frame.
 class LookTextures {
 public:
     /// Made on the first call with this name.
     const gl::Texture& texture(const std::string& name, const std::function<gl::Texture()>& make);
+    /// Found on the first call with this name that finds something, so that a sequence of pictures
+    /// has one range.
+    std::optional<std::array<double, 2>>
+    range(const std::string& name,
+          const std::function<std::optional<std::array<double, 2>>()>& find);
     std::int64_t byte_count() const;
 
 private:
     std::map<std::string, gl::Texture> textures_;
+    std::map<std::string, std::array<double, 2>> ranges_;
 };
 
 /// What every pass of a frame sees.

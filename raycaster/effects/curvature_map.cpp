@@ -50,7 +50,8 @@ Vec3d builtin_curvature_map(double k1, double k2) {
         2 + 2 * curvature_measure(CurvatureMeasure::ShapeIndex, std::max(k1, k2), std::min(k1, k2));
     const std::size_t i = std::clamp(static_cast<int>(place), 0, 3);
     const Vec3d shape = shapes[i] + (place - double(i)) * (shapes[i + 1] - shapes[i]);
-    return flat + std::min(std::max(std::abs(k1), std::abs(k2)), 1.0) * (shape - flat);
+    // A root, since most of a surface is flatter than its extremes.
+    return flat + std::sqrt(std::min(std::max(std::abs(k1), std::abs(k2)), 1.0)) * (shape - flat);
 }
 
 void run_curvature_map(FrameContext& frame) {

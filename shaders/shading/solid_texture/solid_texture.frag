@@ -45,11 +45,18 @@ float filtered_square(float t, float width) {
     vec2 ends = abs(fract(fract(t) + 0.5 * vec2(-width, width)) - 0.5); // an integral's
     return (ends.x - ends.y) / width;
 }
-#elif KIND == 2 || KIND == 3
-#if KIND == 3
+#elif KIND == 3
 uniform vec4 u_eye_to_rings; // from the axis to the eye, that distance, its fraction of a ring
-#endif
 
+// The fraction of t, averaged over a box.
+float filtered_saw(float t, float width) {
+    width = max(width, 1e-4);
+    vec2 ends = fract(t) + 0.5 * vec2(-width, width);
+    vec2 rest = fract(ends);
+    vec2 integral = 0.5 * (ends - rest + rest * rest);
+    return (integral.y - integral.x) / width;
+}
+#elif KIND == 2
 // cos(2 pi t), averaged over a box.
 float filtered_cosine(float t, float width) {
     const float pi = 3.14159265358979;
@@ -100,8 +107,8 @@ float share_of_b(Surface surface, vec3 d) {
     vec2 to_axis = u_eye_to_rings.xy;
     float difference = dot(2.0 * to_axis + d.xy, d.xy) /
                        max(length(to_axis + d.xy) + u_eye_to_rings.z, 1e-30);
-    return 0.5 - 0.5 * filtered_cosine(u_eye_to_rings.w + difference + 0.4 * warp,
-                                       max(width.x, width.y));
+    // A ring darkens slowly and ends at once.
+    return filtered_saw(u_eye_to_rings.w + difference + 0.4 * warp, max(width.x, width.y));
 #endif
 #endif
 }

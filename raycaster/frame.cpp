@@ -134,6 +134,12 @@ Vec3d eye_local(const Camera& camera, const GridSpace& space, const Index3& loca
 
 gl::Format format_of(FrameImage image) {
     switch (image) {
+    case FrameImage::SolidTexture:
+    case FrameImage::CurvatureColour:
+    case FrameImage::CurvatureMap:
+    case FrameImage::Accessibility:
+    case FrameImage::Refraction:
+    case FrameImage::Reflection:
     case FrameImage::Beauty:
         return gl::Format::Rgba16f;
     case FrameImage::Bounds:

@@ -27,7 +27,8 @@ struct FrameTargets {
     }
 };
 
-/// Textures that effects make from the scene (environments, maps, noise), kept from frame to frame.
+/// What effects make from the scene (environments, maps, noise) and find in its first picture,
+/// kept from frame to frame.
 class LookTextures {
 public:
     /// Made on the first call with this name.

@@ -67,12 +67,14 @@ struct Environment {
 struct SolidTexture {
     double strength = 0;
     enum class Kind { Checker, Stripes, Marble, Wood, Volume } kind = Kind::Marble;
-    double scale_world = 0.25; // one period
-    Vec3d axis = Vec3d::UnitY();
+    std::optional<double> scale_world; // one period; else 1/12 of the field's diagonal
+    Vec3d origin_world = Vec3d::Zero();
+    Vec3d axis = Vec3d::UnitY(); // across stripes and marble's veins, along the trunk
     Vec3d colour_a = Vec3d(0.85, 0.82, 0.75);
     Vec3d colour_b = Vec3d(0.20, 0.13, 0.09);
-    std::shared_ptr<const FieldSource> volume; // Kind::Volume: 0 is colour_a, 1 colour_b
-    std::string volume_filter = "bspline";     // or "linear"
+    /// Kind::Volume: 0 is colour_a, 1 colour_b; it lies where its own grid says.
+    std::shared_ptr<const FieldSource> volume;
+    std::string volume_filter = "bspline"; // of its samples, as they are; or "linear"
 };
 
 enum class CurvatureMeasure { K1, K2, Mean, Gauss, ShapeIndex, Curvedness };

@@ -34,10 +34,32 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
          {FrameImage::Hit},
          FrameImage::FlowLineCurvature,
          [&frame] { run_second_order(frame, FrameImage::FlowLineCurvature); }},
+        {"solid texture", solid_texture_reads(frame.scene.look.effects.solid_texture),
+         FrameImage::SolidTexture, [&frame] { run_solid_texture(frame); }},
+        {"curvature colour",
+         {FrameImage::Curvature},
+         FrameImage::CurvatureColour,
+         [&frame] { run_curvature_colour(frame); }},
+        {"curvature map",
+         {FrameImage::Curvature},
+         FrameImage::CurvatureMap,
+         [&frame] { run_curvature_map(frame); }},
         {"uncertainty",
          {FrameImage::Hit, FrameImage::Gradient, FrameImage::FlowLineCurvature},
          FrameImage::Uncertainty,
          [&frame] { run_uncertainty(frame); }},
+        {"accessibility",
+         {FrameImage::Curvature},
+         FrameImage::Accessibility,
+         [&frame] { run_accessibility(frame); }},
+        {"refraction",
+         {FrameImage::Hit, FrameImage::Gradient},
+         FrameImage::Refraction,
+         [&frame] { run_refraction(frame); }},
+        {"reflection",
+         {FrameImage::Hit, FrameImage::Gradient},
+         FrameImage::Reflection,
+         [&frame] { run_reflection(frame); }},
         {"ridges",
          {FrameImage::Hit, FrameImage::Curvature},
          FrameImage::Ridges,
@@ -62,7 +84,9 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
 std::vector<gl::ProgramKey> all_programs() {
     std::vector<gl::ProgramKey> keys = field_programs();
     for (const std::vector<gl::ProgramKey>& more :
-         {composition_programs(), contours_programs(), ridges_programs(), uncertainty_programs(),
+         {composition_programs(), solid_texture_programs(), curvature_colour_programs(),
+          curvature_map_programs(), uncertainty_programs(), accessibility_programs(),
+          refraction_programs(), reflection_programs(), ridges_programs(), contours_programs(),
           outlines_programs(), shading_programs()})
         keys.insert(keys.end(), more.begin(), more.end());
     return keys;

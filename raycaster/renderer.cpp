@@ -2,8 +2,10 @@
 #include "raycaster/renderer.h"
 
 #include "gl/timer.h"
+#include "raycaster/effects/effects.h"
 #include "raycaster/field_passes.h"
 #include "raycaster/passes.h"
+#include "raycaster/shading.h"
 #include "volume/errors.h"
 
 #include <fmt/format.h>
@@ -24,6 +26,14 @@ void check_look(const Look& look) {
     if (std::ranges::count_if(look.lights,
                               [](const Light& light) { return light.shadow != Shadow::None; }) > 1)
         throw InputError("one light at most casts shadows");
+    for (const Layer& layer : layers_of(look))
+        if (!(layer.strength >= 0 && layer.strength <= 1))
+            throw InputError(fmt::format("{}: its strength {} does not lie between 0 and 1",
+                                         name_of(layer.image), layer.strength));
+    check_solid_texture(look.effects.solid_texture);
+    if (look.environment.kind == Environment::Kind::Picture &&
+        look.environment.picture.rgba.empty())
+        throw InputError("environment: it has no picture");
 }
 
 } // namespace

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "raycaster/effects/effects.h"
+#include "raycaster/effects/hit_statistics.h"
 
 #include <algorithm>
 
@@ -11,27 +12,25 @@ const gl::ProgramKey source_program{{"common/tiles.vert", "shading/outlines/outl
                                     {}};
 const gl::ProgramKey outlines_program{{"common/tiles.vert", "shading/outlines/outlines.frag"}, {}};
 
-/// Depth of the farthest corner of the field's extent, and its diagonal [world].
+/// Depth of the farthest corner of the objects' extents, and the longest diagonal [world].
 struct Extent {
     double depth;
     double size;
 };
 
 Extent extent_of(const FrameContext& frame) {
-    const IndexBox box = frame.scene.field->extent();
-    const GridSpace& space = frame.scene.field->space();
-    const Vec3d lo = box.lo.cast<double>();
-    const Vec3d edges = (box.hi - box.lo).cast<double>();
-    Extent extent{-1e30, 0};
-    for (int i = 0; i < 8; ++i) {
-        const Vec3d corner =
-            space.to_world(lo + edges.cwiseProduct(Vec3d(i & 1, i >> 1 & 1, i >> 2)));
-        const Vec3d opposite =
-            space.to_world(lo + edges.cwiseProduct(Vec3d(~i & 1, ~i >> 1 & 1, ~i >> 2 & 1)));
-        extent.depth = std::max(
-            extent.depth,
-            -(frame.camera.view_from_world_rotation() * (corner - frame.camera.eye_world)).z());
-        extent.size = std::max(extent.size, (corner - opposite).norm());
+    Extent extent{-1e30, extent_diagonal_world(frame)};
+    const Mat3d view_from_world = frame.camera.view_from_world_rotation();
+    for (const FrameObject& object : frame.objects) {
+        const IndexBox box = object.object.field->extent();
+        const Vec3d lo = box.lo.cast<double>();
+        const Vec3d edges = (box.hi - box.lo).cast<double>();
+        for (int i = 0; i < 8; ++i) {
+            const Vec3d corner = object.object.field->space().to_world(
+                lo + edges.cwiseProduct(Vec3d(i & 1, i >> 1 & 1, i >> 2)));
+            extent.depth =
+                std::max(extent.depth, -(view_from_world * (corner - frame.camera.eye_world)).z());
+        }
     }
     return extent;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "raycaster/effects/effects.h"
-#include "raycaster/effects/percentiles.h"
+#include "raycaster/effects/hit_statistics.h"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "raycaster/effects/effects.h"
-#include "raycaster/effects/percentiles.h"
+#include "raycaster/effects/hit_statistics.h"
 
 #include <fmt/format.h>
 
@@ -18,7 +18,7 @@ void run_uncertainty(FrameContext& frame) {
                               [](const float* curvature) { return curvature[0]; });
         });
         // In a field of distances that is noise: a radian within 32 voxels at least.
-        const double least = 1 / (32 * frame.scene.field->space().voxel_size_world());
+        const double least = 1 / (32 * frame.object.field->space().voxel_size_world());
         if (range) range = std::max(*range, least);
     }
     std::optional<double> gradient = uncertainty.typical_gradient;

@@ -3,6 +3,7 @@
 // twin  raycaster/shading.cpp
 #version 450 core
 #include "shading/lights.glsl" // before #if, since a file is included once
+#include "shading/normal.glsl"
 // MODEL: raycaster/look.h, ShadingModel.
 #if MODEL == 0
 #include "shading/blinn_phong/blinn_phong.glsl"
@@ -34,7 +35,7 @@ void main() {
     float object = texelFetch(t_hit, pixel, 0).w;
     if (object == 0.0) {
 #if SHOWS_ENVIRONMENT
-        o_beauty = with_overlays(pixel, vec4(environment(direction), 0.0));
+        o_beauty = with_overlays(pixel, vec4(environment(direction, length(u_ray_vector[1]) / length(direction)), 0.0));
 #else
         o_beauty = with_overlays(pixel, vec4(u_background, 0.0));
 #endif
@@ -45,12 +46,7 @@ void main() {
 #if MODEL != 2
     vec3 to_viewer = -normalize(direction);
     vec3 gradient = texelFetch(t_gradient, pixel, 0).xyz;
-    float length_g = length(gradient);
-    // Where the gradient vanishes there is no normal: the surface then faces the viewer.
-    vec3 normal = length_g > 0.0 ? gradient / length_g : to_viewer;
-    // Seen from inside, the surface shows its back.
-    if (dot(normal, to_viewer) < 0.0) normal = -normal;
-    colour = lit(colour, normal, to_viewer, ambient_share(pixel), shadow(pixel));
+    colour = lit(colour, facing_normal(gradient, to_viewer), to_viewer, ambient_share(pixel), shadow(pixel));
 #endif
     o_beauty = with_overlays(pixel, vec4(colour, 1.0));
 }

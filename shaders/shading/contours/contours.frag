@@ -1,4 +1,4 @@
-// Contours of even thickness [Kindlmann et al. 2003, section 4.1].
+// Contours of even thickness [Kindlmann et al. 2003].
 // SPDX-License-Identifier: MPL-2.0
 #version 450 core
 // A pixel's distance from the contour follows from n.v and the normal curvature k in the direction
@@ -15,7 +15,8 @@
 //
 // The second is d sin(asin(r/D) - asin(r s/D)), D from the eye to the middle of the circle of radius
 // r = 1/k, without its cancellation; with 1/d = 0 it is the first. w <= T of the first is Kindlmann's
-// c <= sqrt(T k (2 - T k)). On a plane, k = 0, the contour is the horizon.
+// c <= sqrt(T k (2 - T k)). On a plane, k = 0, the contour is the horizon. Where k changes along the
+// view, so does the width: by k'/k^2 c of it, which is less the smaller T k is.
 
 layout(binding = 0) uniform sampler2D t_hit;
 layout(binding = 1) uniform sampler2D t_gradient;
@@ -55,7 +56,8 @@ void main() {
     float pixels_per_world = u_pixels_per_world * (s > 0.0 ? length(projected) / s : 1.0);
     if (u_is_perspective) pixels_per_world /= dot(hit.xyz, u_forward);
 
-    // What is thinner than two lines keeps a light middle: half of each radius.
-    float thickness = min(u_thickness, 0.5 * pixels_per_world / max(k, 1e-30));
+    // What is thin keeps a light middle, and a dent of noise is no contour: at most a quarter of each
+    // radius is line.
+    float thickness = min(u_thickness, 0.25 * pixels_per_world / max(k, 1e-30));
     o_contours = vec4(u_colour, clamp(thickness - w * pixels_per_world + 0.5, 0.0, 1.0));
 }

@@ -1,4 +1,4 @@
-// Ridges and valleys in the domain of principal curvatures [Kindlmann et al. 2003, section 4.2].
+// Ridges and valleys in the domain of principal curvatures [Kindlmann et al. 2003].
 // SPDX-License-Identifier: MPL-2.0
 #version 450 core
 

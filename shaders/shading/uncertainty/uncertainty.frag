@@ -1,5 +1,5 @@
-// How little the isosurface says about a boundary [Kindlmann et al. 2003, section 6]: where another
-// iso value would turn it, since flow lines are bent, or move it far, since the gradient is weak.
+// How little the isosurface says about a boundary [Kindlmann et al. 2003]: where another iso
+// value would turn it, since flow lines are bent, or move it far, since the gradient is weak.
 // SPDX-License-Identifier: MPL-2.0
 #version 450 core
 

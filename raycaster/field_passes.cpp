@@ -141,7 +141,8 @@ void draw_field(FrameContext& frame, FieldOnGpu& field, FrameImage image,
         draw_streamed(frame, field, image, program);
 }
 
-/// Of shaders that go from hits to the field.
+} // namespace
+
 void set_hit_uniforms(const gl::Program& program, const FrameContext& frame,
                       const FieldOnGpu& field) {
     const GridSpace& space = frame.scene.field->space();
@@ -152,7 +153,25 @@ void set_hit_uniforms(const gl::Program& program, const FrameContext& frame,
         Eigen::Vector3f(eye_local(frame.camera, space, field.local_origin_index()).cast<float>()));
 }
 
-} // namespace
+void set_extent_uniforms(const gl::Program& program, const FrameContext& frame) {
+    const FieldSource& field = *frame.scene.field;
+    constexpr float nowhere = 1e9F; // beyond any table
+    const auto local = [&](const Index3& index) {
+        return Eigen::Vector3f((index - frame.field.local_origin_index()).cast<float>());
+    };
+    const bool has_band = field.half_width_world().has_value();
+    program.set("u_extent_lo", has_band ? Eigen::Vector3f(Eigen::Vector3f::Constant(-nowhere))
+                                        : local(field.extent().lo));
+    program.set("u_extent_hi", has_band ? Eigen::Vector3f(Eigen::Vector3f::Constant(nowhere))
+                                        : local((field.extent().hi.array() - 1).matrix()));
+}
+
+void set_accuracy_uniforms(const gl::Program& program, const FrameContext& frame) {
+    program.set("u_guarantee", static_cast<float>(frame.scene.quality.guarantee_voxels));
+    // 2^-19: 32 roundings of a sum of 64 products, each of at most the greatest sample; 24 are
+    // the longest way through it.
+    program.set("u_value_error", 0x1p-19F * frame.field.pool().greatest_stored());
+}
 
 bool can_fuse_gradient(const FrameContext& frame) {
     return &frame.derivative_field == &frame.field && frame.field.pool().holds_all() &&
@@ -190,16 +209,7 @@ void run_raycast(FrameContext& frame) {
     const RayCoefficients ray = set_ray_uniforms(program, frame);
     frame.field.bind(program);
     program.set("u_ray_from_eye", Eigen::Matrix3f(ray.from_eye.cast<float>()));
-    // A field with a band goes on beyond its extent as background; one without ends there.
-    constexpr float nowhere = 1e9F; // beyond any table
-    const auto local = [&](const Index3& index) {
-        return Eigen::Vector3f((index - frame.field.local_origin_index()).cast<float>());
-    };
-    const bool has_band = field.half_width_world().has_value();
-    program.set("u_extent_lo", has_band ? Eigen::Vector3f(Eigen::Vector3f::Constant(-nowhere))
-                                        : local(field.extent().lo));
-    program.set("u_extent_hi", has_band ? Eigen::Vector3f(Eigen::Vector3f::Constant(nowhere))
-                                        : local((field.extent().hi.array() - 1).matrix()));
+    set_extent_uniforms(program, frame);
     if (quality.traversal == Traversal::TileLists) {
         frame.places.lists.texture.bind_to_unit(3);
         frame.places.blocks.texture.bind_to_unit(4);
@@ -215,10 +225,7 @@ void run_raycast(FrameContext& frame) {
                     static_cast<float>(quality.near_voxels * field.space().voxel_size_world()) *
                         stored_from_world);
     } else {
-        program.set("u_guarantee", static_cast<float>(quality.guarantee_voxels));
-        // 2^-19: 32 roundings of a sum of 64 products, each of at most the greatest sample; 24 are
-        // the longest way through it.
-        program.set("u_value_error", 0x1p-19F * frame.field.pool().greatest_stored());
+        set_accuracy_uniforms(program, frame);
     }
     program.set("u_world_from_index",
                 Eigen::Matrix3f(field.space().world_from_index.linear().cast<float>()));
@@ -235,6 +242,15 @@ void run_raycast(FrameContext& frame) {
         draw_field(frame, frame.field, FrameImage::Hit, program);
 }
 
+void cast_rays(FrameContext& frame) {
+    frame.targets.make(FrameImage::Hit, frame.width, frame.height);
+    if (frame.scene.quality.traversal == Traversal::BoundingFaces) {
+        frame.targets.make(FrameImage::Bounds, frame.width, frame.height);
+        run_bounds(frame);
+    }
+    run_raycast(frame);
+}
+
 void run_derivatives(FrameContext& frame, FrameImage image, int order) {
     FieldOnGpu& field = frame.derivative_field;
     gl::ProgramKey key = derivatives_program(field.pool().defines(), order);
@@ -249,35 +265,43 @@ void run_derivatives(FrameContext& frame, FrameImage image, int order) {
     draw_field(frame, field, image, program);
 }
 
-std::vector<gl::ProgramKey> field_programs() {
-    std::vector<gl::ProgramKey> keys{bounds_program({})};
+std::vector<std::map<std::string, std::string>> all_pool_defines() {
     std::vector<StorageOptions> storages{{.fetch = Fetch::Rows}, {.fetch = Fetch::Samples}};
     for (const int fraction_bits : {0, 8})
         for (const bool is_refined_exactly : {true, false})
             storages.push_back({.fetch = Fetch::Linear,
                                 .fraction_bits = fraction_bits,
                                 .is_refined_exactly = is_refined_exactly});
+    std::vector<std::map<std::string, std::string>> all;
     for (const StorageOptions& storage : storages) {
         for (const Kernel kernel : {Kernel::Linear, Kernel::BSpline, Kernel::CatmullRom}) {
             // Strides and the zero of the samples are numbers, which no #if looks at: those of the
             // default storage stand for all.
-            std::map<std::string, std::string> defines = fetch_defines(storage);
+            std::map<std::string, std::string>& defines = all.emplace_back(fetch_defines(storage));
             defines["KERNEL"] = std::to_string(static_cast<int>(kernel));
             defines.merge(BrickPool().defines());
-            for (const int is_streamed : {0, 1}) {
-                defines["IS_STREAMED"] = std::to_string(is_streamed);
-                for (const int order : {1, 2}) keys.push_back(derivatives_program(defines, order));
-                for (const int search : {0, 1}) {
-                    for (const Traversal traversal : {Traversal::TileLists, Traversal::DrawnBlocks,
-                                                      Traversal::BoundingFaces, Traversal::Walk}) {
-                        // Renderer::load refuses the others.
-                        const bool is_default = search == 0 && traversal == Traversal::TileLists;
-                        if (is_streamed == 0 || is_default)
-                            keys.push_back(raycast_program(defines, search, traversal, false));
-                        if (is_streamed == 0 && traversal != Traversal::DrawnBlocks &&
-                            storage.fetch != Fetch::Linear)
-                            keys.push_back(raycast_program(defines, search, traversal, true));
-                    }
+        }
+    }
+    return all;
+}
+
+std::vector<gl::ProgramKey> field_programs() {
+    std::vector<gl::ProgramKey> keys{bounds_program({})};
+    for (std::map<std::string, std::string> defines : all_pool_defines()) {
+        const bool is_linear =
+            defines.at("FETCH") == std::to_string(static_cast<int>(Fetch::Linear));
+        for (const int is_streamed : {0, 1}) {
+            defines["IS_STREAMED"] = std::to_string(is_streamed);
+            for (const int order : {1, 2}) keys.push_back(derivatives_program(defines, order));
+            for (const int search : {0, 1}) {
+                for (const Traversal traversal : {Traversal::TileLists, Traversal::DrawnBlocks,
+                                                  Traversal::BoundingFaces, Traversal::Walk}) {
+                    // Renderer::load refuses the others.
+                    const bool is_default = search == 0 && traversal == Traversal::TileLists;
+                    if (is_streamed == 0 || is_default)
+                        keys.push_back(raycast_program(defines, search, traversal, false));
+                    if (is_streamed == 0 && traversal != Traversal::DrawnBlocks && !is_linear)
+                        keys.push_back(raycast_program(defines, search, traversal, true));
                 }
             }
         }

@@ -9,6 +9,7 @@
 #include <array>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 
 namespace isocast {
@@ -23,6 +24,8 @@ struct FrameTargets {
     gl::Framebuffer& framebuffer(FrameImage image) {
         return framebuffers[static_cast<std::size_t>(image)];
     }
+    /// Contents are undefined until drawn.
+    void make(FrameImage image, int width, int height);
 };
 
 /// Textures that effects make from the scene (environments, maps, noise), kept from frame to frame.
@@ -34,6 +37,15 @@ public:
 
 private:
     std::map<std::string, gl::Texture> textures_;
+};
+
+/// The camera of the shadow map, and its size.
+struct LightView {
+    Camera camera; // orthographic
+    int width;
+    int height;
+    double texel_world;
+    bool operator==(const LightView&) const = default;
 };
 
 /// What every pass of a frame sees.
@@ -51,7 +63,14 @@ struct FrameContext {
     LookTextures& look_textures;
     bool has_fused_gradient = false;     // the pass "raycast" writes gradients too
     std::vector<std::string> notes = {}; // what was chosen for the user, to be reported
+    std::optional<LightView> light = {}; // if there is a shadow map
+    std::function<std::array<Vec3d, 8>()> surface_box_world = {}; // as Renderer's
+    /// Where in a picture of another camera to look for the field.
+    std::function<PlacesOnGpu(const Camera& camera, int width, int height)> find_places = {};
 };
+
+/// Towards the light, of unit length, world axes.
+Vec3d direction_world(const Light& light, const Camera& viewer);
 
 /// Depth test, culling and blending off.
 void set_fixed_state();

@@ -17,7 +17,7 @@ enum class FrameImage {
     Gradient,  // gradient of the field at the hit [1/world * world], world axes
     Curvature, // principal curvatures k1 >= k2 [1/world], 0; 1, or 2 where the gradient vanishes
     Direction, // principal direction, unit, world axes; how far the curvatures differ
-    ShadowMap, // first hits from the light
+    ShadowMap, // how far below the light's plane it sees the surface [texels]
     // What effects make. Layers: linear RGB, coverage.
     SolidTexture,
     CurvatureColour,

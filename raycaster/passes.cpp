@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "raycaster/passes.h"
 
+#include "raycaster/effects/occlusion.h"
+#include "raycaster/effects/shadow.h"
 #include "raycaster/field_passes.h"
 #include "raycaster/shading.h"
 
@@ -23,14 +25,23 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
          {FrameImage::Hit},
          FrameImage::Curvature,
          [&frame] { run_derivatives(frame, FrameImage::Curvature, 2); }},
-        {"shading", shading_reads(frame.scene.look), FrameImage::Beauty,
-         [&frame] { run_shading(frame); }},
+        {"shadow map", {}, FrameImage::ShadowMap, [&frame] { run_shadow_map(frame); }},
+        {"shadow",
+         {FrameImage::Hit, FrameImage::Gradient, FrameImage::ShadowMap},
+         FrameImage::Shadow,
+         [&frame] { run_shadow(frame); }},
+        {"occlusion",
+         {FrameImage::Hit, FrameImage::Gradient},
+         FrameImage::Occlusion,
+         [&frame] { run_occlusion(frame); }},
+        {"shading", shading_reads(frame), FrameImage::Beauty, [&frame] { run_shading(frame); }},
     };
 }
 
 std::vector<gl::ProgramKey> all_programs() {
     std::vector<gl::ProgramKey> keys = field_programs();
-    for (const gl::ProgramKey& key : shading_programs()) keys.push_back(key);
+    for (const auto& programs : {shadow_programs(), occlusion_programs(), shading_programs()})
+        keys.insert(keys.end(), programs.begin(), programs.end());
     return keys;
 }
 

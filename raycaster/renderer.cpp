@@ -2,8 +2,10 @@
 #include "raycaster/renderer.h"
 
 #include "gl/timer.h"
+#include "raycaster/effects/shadow.h"
 #include "raycaster/field_passes.h"
 #include "raycaster/passes.h"
+#include "raycaster/shading.h"
 #include "volume/errors.h"
 
 #include <fmt/format.h>
@@ -39,6 +41,21 @@ void check_look(const Look& look) {
     if (std::ranges::count_if(look.lights,
                               [](const Light& light) { return light.shadow != Shadow::None; }) > 1)
         throw InputError("one light at most casts shadows");
+    if (const Light* light = casting_light(look)) {
+        if (!(light->direction.norm() > 0) || !light->direction.allFinite())
+            throw InputError("a light that casts shadows needs a direction");
+        if (!(light->size_degrees >= 0 && light->size_degrees < 180))
+            throw InputError(
+                fmt::format("a light of {} degrees: not in [0, 180)", light->size_degrees));
+        if (light->shadow_map_pixels < 16 || light->shadow_map_pixels > gl::max_image_extent())
+            throw InputError(fmt::format("a shadow map of {} pixels: not in 16 ... {}",
+                                         light->shadow_map_pixels, gl::max_image_extent()));
+    }
+    const Occlusion& occlusion = look.effects.occlusion;
+    if (occlusion.rays < 1)
+        throw InputError(fmt::format("{} rays for ambient occlusion: 1 at least", occlusion.rays));
+    if (occlusion.distance_world && !(*occlusion.distance_world > 0))
+        throw InputError("the distance of occluders must be positive");
 }
 
 } // namespace
@@ -117,6 +134,7 @@ float Renderer::error_of_storage() const {
 
 void Renderer::upload(const Progress& progress) {
     surface_box_.reset();
+    shadow_map_.reset();
     field_ = {};
     derivative_field_ = {};
     const float iso = static_cast<float>(scene_.iso_world);
@@ -188,30 +206,48 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
                        look_textures_};
     const std::vector<Pass> declared = declare_passes(frame);
     const std::vector<Pass> live = live_passes(declared, wanted);
-    frame.has_fused_gradient =
-        can_fuse_gradient(frame) && std::ranges::any_of(live, [](const Pass& pass) {
-            return pass.writes == FrameImage::Gradient;
-        });
+    const auto is_live = [&](FrameImage image) {
+        return std::ranges::any_of(live, [&](const Pass& pass) { return pass.writes == image; });
+    };
+    frame.has_fused_gradient = can_fuse_gradient(frame) && is_live(FrameImage::Gradient);
+    frame.surface_box_world = [&] { return surface_box_world(); };
+    frame.find_places = [&](const Camera& other, int other_width, int other_height) {
+        return PlacesOnGpu(scene_.quality.traversal, ranges_, active_, scene_.field->space(), other,
+                           other_width, other_height);
+    };
+    if (is_live(FrameImage::ShadowMap)) {
+        const Light* light = casting_light(scene_.look);
+        if (light == nullptr) throw InputError("no light casts shadows");
+        // The surface is within a voxel of the control samples that enclose it.
+        const Mat3d edges = scene_.field->space().world_from_index.linear();
+        frame.light =
+            light_view(*light, camera, surface_box_world(), edges.colwise().norm().maxCoeff());
+    }
+    const bool keeps_shadow_map = frame.light && frame.light == shadow_map_;
+    if (!keeps_shadow_map) shadow_map_.reset();
 
     for (const Pass& pass : declared) {
         gl::Texture& texture = targets_.texture(pass.writes);
-        const bool is_live =
-            std::ranges::any_of(live, [&](const Pass& other) { return other.name == pass.name; });
-        if (!is_live) {
+        const bool is_of_light = frame.light && pass.writes == FrameImage::ShadowMap;
+        const int image_width = is_of_light ? frame.light->width : width;
+        const int image_height = is_of_light ? frame.light->height : height;
+        if (!is_live(pass.writes)) {
             if (!texture.is_empty()) targets_.hit_and_gradient = {};
             targets_.framebuffer(pass.writes) = {};
             texture = {};
-        } else if (texture.is_empty() || texture.width() != width || texture.height() != height) {
+        } else if (texture.is_empty() || texture.width() != image_width ||
+                   texture.height() != image_height) {
             targets_.hit_and_gradient = {};
-            targets_.framebuffer(pass.writes) = {};
-            texture = {};
-            texture =
-                gl::Texture::image(format_of(pass.writes), width, height, name_of(pass.writes));
-            targets_.framebuffer(pass.writes) = gl::Framebuffer({&texture}, name_of(pass.writes));
+            targets_.make(pass.writes, image_width, image_height);
         }
+        const bool is_kept = keeps_shadow_map && is_of_light;
         const bool is_fused = frame.has_fused_gradient && pass.writes == FrameImage::Gradient;
-        report.passes.push_back({std::string(pass.name), is_live, asked_by(pass, live, wanted),
-                                 is_fused ? "raycast" : "", 0, texture.byte_count()});
+        report.passes.push_back({.name = std::string(pass.name),
+                                 .ran = is_live(pass.writes) && !is_kept,
+                                 .asked_by = asked_by(pass, live, wanted),
+                                 .drawn_by = is_fused ? "raycast" : "",
+                                 .is_kept = is_kept,
+                                 .texture_bytes = texture.byte_count()});
         report.image_bytes += texture.byte_count();
     }
     if (frame.has_fused_gradient && targets_.hit_and_gradient.id() == 0)
@@ -221,6 +257,7 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
 
     std::map<std::string_view, gl::Timer> timers;
     for (const Pass& pass : live) {
+        if (keeps_shadow_map && pass.writes == FrameImage::ShadowMap) continue;
         const gl::DebugGroup group(pass.name);
         gl::Timer& timer = timers[pass.name];
         timer.start();
@@ -228,6 +265,7 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
         timer.stop();
         context_.throw_pending_error();
     }
+    shadow_map_ = frame.light;
     for (PassReport& pass : report.passes)
         if (pass.ran) pass.milliseconds = timers.at(pass.name).milliseconds();
     report.programs_compiled = shaders_.compiled_program_count();

@@ -16,6 +16,7 @@ struct PassReport {
     bool ran = false;
     std::string asked_by;           // passes that read its image, "output" if it was requested
     std::string drawn_by;           // another pass that writes its image on the way
+    bool is_kept = false;           // it need not run: its image is the last frame's
     double milliseconds = 0;        // of the last frame
     std::int64_t texture_bytes = 0; // of the image it writes
 };
@@ -65,7 +66,8 @@ public:
     const std::optional<CoarseBricks>& coarse_bricks() const { return coarse_; }
 
     /// Runs the passes that `wanted` needs.
-    /// throws  InputError for a size below 1 or above what the GL offers
+    /// throws  InputError for a size below 1 or above what the GL offers, and for shadows if no
+    ///         light casts any
     FrameReport draw(const Camera& camera, int width, int height, const ImageSet& wanted);
 
     /// An image of the last frame, which it must have wanted or needed.
@@ -93,6 +95,7 @@ private:
     BlockRanges derivative_ranges_;
     FieldOnGpu derivative_field_;
     mutable std::optional<IndexBox> surface_box_;
+    std::optional<LightView> shadow_map_; // where it was drawn from, if it is that of this field
     FrameTargets targets_;
     LookTextures look_textures_;
 };

@@ -14,9 +14,9 @@ vec3 lit(vec3 colour, vec3 normal, vec3 to_viewer, float ambient_share, ShadowOf
     for (int i = 0; i < LIGHTS; ++i) {
         vec3 to_light = u_light_directions[i];
         float share = share_of_light(shadow, i);
-        // Shadows are as cool as what turns away from the light.
-        float towards = 0.5 + 0.5 * dot(normal, to_light);
-        towards = min(towards, mix(0.0, 1.0, share));
+        // Shadows are as cool as what the light grazes: the tones stay continuous.
+        float cosine = dot(normal, to_light);
+        float towards = 0.5 + 0.5 * (cosine > 0.0 ? cosine * share : cosine);
         vec3 half_way = normalize(to_light + to_viewer);
         float highlight = pow(max(dot(normal, half_way), 0.0), u_material.w);
         sum += (mix(cool, warm, towards) * ambient_share + vec3(u_material.z * highlight * share)) *

@@ -92,13 +92,11 @@ vec2 filtered(Receiver r, float turns) {
 vec2 filtered(Receiver r, float turns) {
     vec2 corner = floor(r.p.xy - 0.5) + 0.5;
     vec2 weight = r.p.xy - corner;
-    float lit = 0.0;
-    for (int i = 0; i < 4; ++i) {
-        vec2 step = vec2(i & 1, i >> 1);
-        vec2 w = mix(1.0 - weight, weight, step);
-        lit += look_up(r, corner + step).is_above ? 0.0 : w.x * w.y;
-    }
-    return vec2(lit, 4.0);
+    vec4 lit;
+    for (int i = 0; i < 4; ++i)
+        lit[i] = look_up(r, corner + vec2(i & 1, i >> 1)).is_above ? 0.0 : 1.0;
+    vec2 row = mix(lit.xz, lit.yw, weight.x);
+    return vec2(mix(row.x, row.y, weight.y), 4.0);
 }
 #endif
 

@@ -2,6 +2,7 @@
 #include "raycaster/field_passes.h"
 
 #include "gl/readback.h"
+#include "raycaster/composition.h"
 
 #include <glad/gl.h>
 
@@ -163,7 +164,8 @@ void draw_field(FrameContext& frame, FieldOnGpu& field, const gl::Framebuffer& t
         draw_streamed(frame, field, program);
 }
 
-/// Of shaders that go from hits to the field.
+} // namespace
+
 void set_hit_uniforms(const gl::Program& program, const FrameContext& frame,
                       const FieldOnGpu& field) {
     const GridSpace& space = frame.object.field->space();
@@ -173,6 +175,8 @@ void set_hit_uniforms(const gl::Program& program, const FrameContext& frame,
         "u_eye_local",
         Eigen::Vector3f(eye_local(frame.camera, space, field.local_origin_index()).cast<float>()));
 }
+
+namespace {
 
 /// Runs raycast/derivatives.frag: of composed objects each one's, on the pixels that it owns.
 ///
@@ -211,6 +215,27 @@ void draw_derivatives(FrameContext& frame, const gl::Framebuffer& target, int at
 
 } // namespace
 
+void set_extent_uniforms(const gl::Program& program, const FrameContext& frame) {
+    const FieldSource& field = *frame.object.field;
+    // A field with a band goes on beyond its extent as background; one without ends there.
+    constexpr float nowhere = 1e9F; // beyond any table
+    const auto local = [&](const Index3& index) {
+        return Eigen::Vector3f((index - frame.field.local_origin_index()).cast<float>());
+    };
+    const bool has_band = field.half_width_world().has_value();
+    program.set("u_extent_lo", has_band ? Eigen::Vector3f(Eigen::Vector3f::Constant(-nowhere))
+                                        : local(field.extent().lo));
+    program.set("u_extent_hi", has_band ? Eigen::Vector3f(Eigen::Vector3f::Constant(nowhere))
+                                        : local((field.extent().hi.array() - 1).matrix()));
+}
+
+void set_accuracy_uniforms(const gl::Program& program, const FrameContext& frame) {
+    program.set("u_guarantee", static_cast<float>(frame.scene.quality.guarantee_voxels));
+    // 2^-19: 32 roundings of a sum of 64 products, each of at most the greatest sample; 24 are
+    // the longest way through it.
+    program.set("u_value_error", 0x1p-19F * frame.field.pool().greatest_stored());
+}
+
 bool can_fuse_gradient(const FrameContext& frame) {
     return &frame.derivative_field == &frame.field && frame.field.pool().holds_all() &&
            frame.field.pool().fetch() != Fetch::Linear && // whose gradient may be another sum
@@ -244,16 +269,7 @@ RayCoefficients set_search_uniforms(const gl::Program& program, const FrameConte
     const RayCoefficients ray = set_ray_uniforms(program, frame);
     frame.field.bind(program);
     program.set("u_ray_from_eye", Eigen::Matrix3f(ray.from_eye.cast<float>()));
-    // A field with a band goes on beyond its extent as background; one without ends there.
-    constexpr float nowhere = 1e9F; // beyond any table
-    const auto local = [&](const Index3& index) {
-        return Eigen::Vector3f((index - frame.field.local_origin_index()).cast<float>());
-    };
-    const bool has_band = field.half_width_world().has_value();
-    program.set("u_extent_lo", has_band ? Eigen::Vector3f(Eigen::Vector3f::Constant(-nowhere))
-                                        : local(field.extent().lo));
-    program.set("u_extent_hi", has_band ? Eigen::Vector3f(Eigen::Vector3f::Constant(nowhere))
-                                        : local((field.extent().hi.array() - 1).matrix()));
+    set_extent_uniforms(program, frame);
     if (quality.traversal == Traversal::TileLists) {
         frame.places.lists.texture.bind_to_unit(3);
         frame.places.blocks.texture.bind_to_unit(4);
@@ -269,10 +285,7 @@ RayCoefficients set_search_uniforms(const gl::Program& program, const FrameConte
                     static_cast<float>(quality.near_voxels * field.space().voxel_size_world()) *
                         stored_from_world);
     } else {
-        program.set("u_guarantee", static_cast<float>(quality.guarantee_voxels));
-        // 2^-19: 32 roundings of a sum of 64 products, each of at most the greatest sample; 24 are
-        // the longest way through it.
-        program.set("u_value_error", 0x1p-19F * frame.field.pool().greatest_stored());
+        set_accuracy_uniforms(program, frame);
     }
     program.set("u_world_from_index",
                 Eigen::Matrix3f(field.space().world_from_index.linear().cast<float>()));
@@ -297,6 +310,18 @@ void run_raycast(FrameContext& frame) {
         draw_blocks(frame, FrameImage::Hit, program);
     else
         draw_field(frame, frame.field, frame.targets.framebuffer(FrameImage::Hit), 1, program);
+}
+
+void cast_rays(FrameContext& frame) {
+    frame.targets.make(FrameImage::Hit, frame.width, frame.height);
+    if (frame.scene.quality.traversal == Traversal::BoundingFaces) {
+        frame.targets.make(FrameImage::Bounds, frame.width, frame.height);
+        run_bounds(frame);
+    }
+    if (is_composed(frame.scene))
+        run_composition(frame);
+    else
+        run_raycast(frame);
 }
 
 FrameImage drawn_with(const FrameContext& frame, FrameImage image) {
@@ -343,42 +368,51 @@ void run_second_order(FrameContext& frame, FrameImage image) {
         });
 }
 
-std::vector<gl::ProgramKey> field_programs() {
-    std::vector<gl::ProgramKey> keys{bounds_program({})};
+std::vector<std::map<std::string, std::string>> all_pool_defines() {}
+
+std::vector<std::map<std::string, std::string>> all_pool_defines() {
     std::vector<StorageOptions> storages{{.fetch = Fetch::Rows}, {.fetch = Fetch::Samples}};
     for (const int fraction_bits : {0, 8})
         for (const bool is_refined_exactly : {true, false})
             storages.push_back({.fetch = Fetch::Linear,
                                 .fraction_bits = fraction_bits,
                                 .is_refined_exactly = is_refined_exactly});
+    std::vector<std::map<std::string, std::string>> all;
     for (const StorageOptions& storage : storages) {
         for (const Kernel kernel : {Kernel::Linear, Kernel::BSpline, Kernel::CatmullRom}) {
             // Strides and the zero of the samples are numbers, which no #if looks at: those of the
             // default storage stand for all.
-            std::map<std::string, std::string> defines = fetch_defines(storage);
+            std::map<std::string, std::string>& defines = all.emplace_back(fetch_defines(storage));
             defines["KERNEL"] = std::to_string(static_cast<int>(kernel));
             defines.merge(BrickPool().defines());
-            for (const int is_streamed : {0, 1}) {
-                defines["IS_STREAMED"] = std::to_string(is_streamed);
-                for (const bool is_operand : {false, true}) {
-                    if (is_streamed != 0 && is_operand) continue;
-                    keys.push_back(gradient_program(defines, is_operand));
-                    keys.push_back(
-                        second_order_program(defines, is_operand, {FrameImage::Curvature}));
-                }
-                if (is_streamed == 0)
-                    keys.push_back(raycast_program(defines, 0, Traversal::TileLists, false, true));
-                for (const int search : {0, 1}) {
-                    for (const Traversal traversal : {Traversal::TileLists, Traversal::DrawnBlocks,
-                                                      Traversal::BoundingFaces, Traversal::Walk}) {
-                        // Renderer::load refuses the others.
-                        const bool is_default = search == 0 && traversal == Traversal::TileLists;
-                        if (is_streamed == 0 || is_default)
-                            keys.push_back(raycast_program(defines, search, traversal, false));
-                        if (is_streamed == 0 && traversal != Traversal::DrawnBlocks &&
-                            storage.fetch != Fetch::Linear)
-                            keys.push_back(raycast_program(defines, search, traversal, true));
-                    }
+        }
+    }
+    return all;
+}
+
+std::vector<gl::ProgramKey> field_programs() {
+    std::vector<gl::ProgramKey> keys{bounds_program({})};
+    for (std::map<std::string, std::string> defines : all_pool_defines()) {
+        const bool is_linear =
+            defines.at("FETCH") == std::to_string(static_cast<int>(Fetch::Linear));
+        for (const int is_streamed : {0, 1}) {
+            defines["IS_STREAMED"] = std::to_string(is_streamed);
+            for (const bool is_operand : {false, true}) {
+                if (is_streamed != 0 && is_operand) continue;
+                keys.push_back(gradient_program(defines, is_operand));
+                keys.push_back(second_order_program(defines, is_operand, {FrameImage::Curvature}));
+            }
+            if (is_streamed == 0)
+                keys.push_back(raycast_program(defines, 0, Traversal::TileLists, false, true));
+            for (const int search : {0, 1}) {
+                for (const Traversal traversal : {Traversal::TileLists, Traversal::DrawnBlocks,
+                                                  Traversal::BoundingFaces, Traversal::Walk}) {
+                    // Renderer::load refuses the others.
+                    const bool is_default = search == 0 && traversal == Traversal::TileLists;
+                    if (is_streamed == 0 || is_default)
+                        keys.push_back(raycast_program(defines, search, traversal, false));
+                    if (is_streamed == 0 && traversal != Traversal::DrawnBlocks && !is_linear)
+                        keys.push_back(raycast_program(defines, search, traversal, true));
                 }
             }
         }

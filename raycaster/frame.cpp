@@ -52,6 +52,22 @@ void draw_runs(const FrameContext& frame, const gl::Program& program, const Numb
 
 } // namespace
 
+void FrameTargets::make(FrameImage image, int width, int height) {
+    framebuffer(image) = {};
+    texture(image) = {}; // so that the old one and the new are never both in memory
+    texture(image) =
+        gl::Texture::image(format_of(image), width, height, name_of(image), filter_of(image));
+    framebuffer(image) = gl::Framebuffer({&texture(image)}, name_of(image));
+}
+
+Vec3d direction_world(const Light& light, const Camera& viewer) {
+    const Vec3d direction =
+        light.is_in_view_space
+            ? Vec3d(viewer.view_from_world_rotation().transpose() * light.direction)
+            : light.direction;
+    return direction.normalized();
+}
+
 const gl::Texture& LookTextures::texture(const std::string& name,
                                          const std::function<gl::Texture()>& make) {
     auto found = textures_.find(name);
@@ -143,9 +159,12 @@ gl::Format format_of(FrameImage image) {
     case FrameImage::Beauty:
         return gl::Format::Rgba16f;
     case FrameImage::Bounds:
+    case FrameImage::Shadow:
         return gl::Format::Rg32f;
     case FrameImage::ViewCurvature:
     case FrameImage::FlowLineCurvature:
+    case FrameImage::ShadowMap:
+    case FrameImage::Occlusion:
         return gl::Format::R32f;
     default:
         return gl::Format::Rgba32f;

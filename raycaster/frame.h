@@ -25,6 +25,8 @@ struct FrameTargets {
     gl::Framebuffer& framebuffer(FrameImage image) {
         return framebuffers[static_cast<std::size_t>(image)];
     }
+    /// Contents are undefined until drawn.
+    void make(FrameImage image, int width, int height);
 };
 
 /// What effects make from the scene (environments, maps, noise) and find in its first picture,
@@ -55,6 +57,15 @@ struct FrameObject {
 /// The tiles in which any of them can show something, without lists.
 PlacesOnGpu union_of_places(std::span<const FrameObject> objects, int width, int height);
 
+/// The camera of the shadow map, and its size.
+struct LightView {
+    Camera camera; // orthographic
+    int width;
+    int height;
+    double texel_world;
+    bool operator==(const LightView&) const = default;
+};
+
 /// What every pass of a frame sees.
 struct FrameContext {
     gl::ShaderLibrary& shaders;
@@ -75,10 +86,17 @@ struct FrameContext {
     ImageSet live = {};                  // what the passes of this frame write
     bool has_fused_gradient = false;     // the pass "raycast" writes gradients too
     std::vector<std::string> notes = {}; // what was chosen for the user, to be reported
+    std::optional<LightView> light = {}; // if there is a shadow map
+    std::function<std::array<Vec3d, 8>()> surface_box_world = {}; // as Renderer's
+    /// The objects as another camera sees them.
+    std::function<std::vector<FrameObject>(const Camera& camera, int width, int height)>
+        find_objects = {};
 };
 
 /// The frame with one of its objects in the place of the only one.
 FrameContext of_object(const FrameContext& frame, const FrameObject& object);
+/// Towards the light, of unit length, world axes.
+Vec3d direction_world(const Light& light, const Camera& viewer);
 
 /// Depth test, culling and blending off.
 void set_fixed_state();

@@ -19,7 +19,7 @@ enum class FrameImage {
     ViewCurvature,     // normal curvature in the direction of the ray [1/world]
     FlowLineCurvature, // how fast the gradient turns along itself [1/world]
     Direction,         // principal direction, unit, world axes; how far the curvatures differ
-    ShadowMap,         // first hits from the light
+    ShadowMap,         // how far below the light's plane it sees the surface [texels]
     OutlineSource,     // unit normal, nearness, affine over the picture of a plane; 0 beside hits
     // What effects make. Layers: linear RGB, coverage.
     SolidTexture,

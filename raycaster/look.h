@@ -33,7 +33,8 @@ struct Light {
     Vec3d colour = Vec3d(1, 1, 1);
     Shadow shadow = Shadow::None; // of one light at most
     double shadow_strength = 1;
-    double size_degrees = 3; // Shadow::Soft: the angle under which the light is seen
+    double size_degrees = 3;      // Shadow::Soft: the angle under which the light is seen
+    int shadow_map_pixels = 1024; // along the longer side of what the light sees
 };
 
 /// The shader arrays' size.
@@ -106,8 +107,9 @@ struct Accessibility {
 /// Ambient occlusion marched in the field.
 struct Occlusion {
     double strength = 0;
-    std::optional<double> distance_world; // how far occluders count; else 1/10 of the object
-    int rays = 16;
+    /// How far occluders count; else a tenth of the diagonal of the surface's box.
+    std::optional<double> distance_world;
+    int rays = 16; // of each pixel
 };
 
 /// Contours of even thickness [Kindlmann et al. 2003, section 4.1].

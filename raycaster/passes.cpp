@@ -3,6 +3,8 @@
 
 #include "raycaster/composition.h"
 #include "raycaster/effects/effects.h"
+#include "raycaster/effects/occlusion.h"
+#include "raycaster/effects/shadow.h"
 #include "raycaster/field_passes.h"
 #include "raycaster/shading.h"
 
@@ -52,6 +54,15 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
          {FrameImage::Curvature},
          FrameImage::Accessibility,
          [&frame] { run_accessibility(frame); }},
+        {"shadow map", {}, FrameImage::ShadowMap, [&frame] { run_shadow_map(frame); }},
+        {"shadow",
+         {FrameImage::Hit, FrameImage::Gradient, FrameImage::ShadowMap},
+         FrameImage::Shadow,
+         [&frame] { run_shadow(frame); }},
+        {"occlusion",
+         {FrameImage::Hit, FrameImage::Gradient},
+         FrameImage::Occlusion,
+         [&frame] { run_occlusion(frame); }},
         {"refraction",
          {FrameImage::Hit, FrameImage::Gradient},
          FrameImage::Refraction,
@@ -76,8 +87,7 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
          {FrameImage::OutlineSource},
          FrameImage::Outlines,
          [&frame] { run_outlines(frame); }},
-        {"shading", shading_reads(frame.scene.look), FrameImage::Beauty,
-         [&frame] { run_shading(frame); }},
+        {"shading", shading_reads(frame), FrameImage::Beauty, [&frame] { run_shading(frame); }},
     };
 }
 
@@ -86,8 +96,8 @@ std::vector<gl::ProgramKey> all_programs() {
     for (const std::vector<gl::ProgramKey>& more :
          {composition_programs(), solid_texture_programs(), curvature_colour_programs(),
           curvature_map_programs(), uncertainty_programs(), accessibility_programs(),
-          refraction_programs(), reflection_programs(), ridges_programs(), contours_programs(),
-          outlines_programs(), shading_programs()})
+          occlusion_programs(), shadow_programs(), refraction_programs(), reflection_programs(),
+          ridges_programs(), contours_programs(), outlines_programs(), shading_programs()})
         keys.insert(keys.end(), more.begin(), more.end());
     return keys;
 }

@@ -3,6 +3,7 @@
 
 #include "gl/timer.h"
 #include "raycaster/effects/effects.h"
+#include "raycaster/effects/shadow.h"
 #include "raycaster/field_passes.h"
 #include "raycaster/passes.h"
 #include "raycaster/shading.h"
@@ -34,6 +35,21 @@ void check_look(const Look& look) {
     if (look.environment.kind == Environment::Kind::Picture &&
         look.environment.picture.rgba.empty())
         throw InputError("environment: it has no picture");
+    if (const Light* light = casting_light(look)) {
+        if (!(light->direction.norm() > 0) || !light->direction.allFinite())
+            throw InputError("a light that casts shadows needs a direction");
+        if (!(light->size_degrees >= 0 && light->size_degrees < 180))
+            throw InputError(
+                fmt::format("a light of {} degrees: not in [0, 180)", light->size_degrees));
+        if (light->shadow_map_pixels < 16 || light->shadow_map_pixels > gl::max_image_extent())
+            throw InputError(fmt::format("a shadow map of {} pixels: not in 16 ... {}",
+                                         light->shadow_map_pixels, gl::max_image_extent()));
+    }
+    const Occlusion& occlusion = look.effects.occlusion;
+    if (occlusion.rays < 1)
+        throw InputError(fmt::format("{} rays for ambient occlusion: 1 at least", occlusion.rays));
+    if (occlusion.distance_world && !(*occlusion.distance_world > 0))
+        throw InputError("the distance of occluders must be positive");
 }
 
 } // namespace
@@ -79,6 +95,7 @@ void Renderer::set_iso(double iso_world, int object) {
 }
 
 void Renderer::check_residence() {
+    shadow_map_.reset();
     // Refining a sampled hit reads the block before as well, which may be gone by then; and only a
     // place in a list is kept from pass to pass.
     const bool can_stream = !scene_.quality.rate &&
@@ -121,11 +138,7 @@ std::array<Vec3d, 8> Renderer::surface_box_world() const {
     return corners;
 }
 
-FrameReport Renderer::draw(const Camera& camera, int width, int height, const ImageSet& wanted) {
-    const int limit = gl::max_image_extent();
-    if (width < 1 || height < 1 || width > limit || height > limit)
-        throw InputError(fmt::format("picture size {}x{}: each side must lie between 1 and {}",
-                                     width, height, limit));
+std::vector<FrameObject> Renderer::frame_objects(const Camera& camera, int width, int height) {
     std::vector<FrameObject> objects;
     for (LoadedObject& object : objects_)
         objects.push_back({object.object(),
@@ -134,6 +147,15 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
                            {scene_.quality.traversal, object.ranges(), object.active(),
                             object.object().field->space(), camera, width, height},
                            object.box_world()});
+    return objects;
+}
+
+FrameReport Renderer::draw(const Camera& camera, int width, int height, const ImageSet& wanted) {
+    const int limit = gl::max_image_extent();
+    if (width < 1 || height < 1 || width > limit || height > limit)
+        throw InputError(fmt::format("picture size {}x{}: each side must lie between 1 and {}",
+                                     width, height, limit));
+    const std::vector<FrameObject> objects = frame_objects(camera, width, height);
     const PlacesOnGpu places_of_all =
         is_composed(scene_) ? union_of_places(objects, width, height) : PlacesOnGpu();
     const FrameObject& first = objects.front();
@@ -153,31 +175,54 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
                        objects};
     const std::vector<Pass> declared = declare_passes(frame);
     const std::vector<Pass> live = live_passes(declared, wanted);
+    const auto is_live = [&](FrameImage image) { return frame.live.contains(image); };
     for (const Pass& pass : live) frame.live.insert(pass.writes);
-    frame.has_fused_gradient =
-        can_fuse_gradient(frame) && frame.live.contains(FrameImage::Gradient);
+    frame.has_fused_gradient = can_fuse_gradient(frame) && is_live(FrameImage::Gradient);
+    frame.surface_box_world = [&] { return surface_box_world(); };
+    frame.find_objects = [&](const Camera& other, int other_width, int other_height) {
+        return frame_objects(other, other_width, other_height);
+    };
+    if (is_live(FrameImage::ShadowMap)) {
+        const Light* light = casting_light(scene_.look);
+        if (light == nullptr) throw InputError("no light casts shadows");
+        // The surface is within a voxel of the control samples that enclose it.
+        double margin_world = 0;
+        for (const LoadedObject& object : objects_)
+            margin_world = std::max(margin_world, object.object()
+                                                      .field->space()
+                                                      .world_from_index.linear()
+                                                      .colwise()
+                                                      .norm()
+                                                      .maxCoeff());
+        frame.light = light_view(*light, camera, surface_box_world(), margin_world);
+    }
+    const bool keeps_shadow_map = frame.light && frame.light == shadow_map_;
+    if (!keeps_shadow_map) shadow_map_.reset();
 
     for (const Pass& pass : declared) {
         gl::Texture& texture = targets_.texture(pass.writes);
-        const bool is_live = frame.live.contains(pass.writes);
-        if (!is_live) {
+        const bool is_of_light = frame.light && pass.writes == FrameImage::ShadowMap;
+        const int image_width = is_of_light ? frame.light->width : width;
+        const int image_height = is_of_light ? frame.light->height : height;
+        if (!is_live(pass.writes)) {
             if (!texture.is_empty()) targets_.hit_and_gradient = {};
             targets_.framebuffer(pass.writes) = {};
             texture = {};
-        } else if (texture.is_empty() || texture.width() != width || texture.height() != height) {
+        } else if (texture.is_empty() || texture.width() != image_width ||
+                   texture.height() != image_height) {
             targets_.hit_and_gradient = {};
-            targets_.framebuffer(pass.writes) = {};
-            texture = {};
-            texture = gl::Texture::image(format_of(pass.writes), width, height,
-                                         name_of(pass.writes), filter_of(pass.writes));
-            targets_.framebuffer(pass.writes) = gl::Framebuffer({&texture}, name_of(pass.writes));
+            targets_.make(pass.writes, image_width, image_height);
         }
+        const bool is_kept = keeps_shadow_map && is_of_light;
         const auto drawer =
             std::ranges::find(declared, drawn_with(frame, pass.writes), &Pass::writes);
-        report.passes.push_back(
-            {std::string(pass.name), is_live, asked_by(pass, live, wanted),
-             is_live && drawer->name != pass.name ? std::string(drawer->name) : "", 0,
-             texture.byte_count()});
+        const bool is_drawn_with_another = is_live(pass.writes) && drawer->name != pass.name;
+        report.passes.push_back({.name = std::string(pass.name),
+                                 .ran = is_live(pass.writes) && !is_kept,
+                                 .asked_by = asked_by(pass, live, wanted),
+                                 .drawn_by = is_drawn_with_another ? std::string(drawer->name) : "",
+                                 .is_kept = is_kept,
+                                 .texture_bytes = texture.byte_count()});
         report.image_bytes += texture.byte_count();
     }
     if (frame.has_fused_gradient && targets_.hit_and_gradient.id() == 0)
@@ -187,6 +232,7 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
 
     std::map<std::string_view, gl::Timer> timers;
     for (const Pass& pass : live) {
+        if (keeps_shadow_map && pass.writes == FrameImage::ShadowMap) continue;
         const gl::DebugGroup group(pass.name);
         gl::Timer& timer = timers[pass.name];
         timer.start();
@@ -194,6 +240,7 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
         timer.stop();
         context_.throw_pending_error();
     }
+    shadow_map_ = frame.light;
     for (PassReport& pass : report.passes)
         if (pass.ran) pass.milliseconds = timers.at(pass.name).milliseconds();
     report.programs_compiled = shaders_.compiled_program_count();

@@ -16,6 +16,7 @@ struct PassReport {
     bool ran = false;
     std::string asked_by;           // passes that read its image, "output" if it was requested
     std::string drawn_by;           // another pass that writes its image on the way
+    bool is_kept = false;           // it need not run: its image is the last frame's
     double milliseconds = 0;        // of the last frame
     std::int64_t texture_bytes = 0; // of the image it writes
 };
@@ -67,7 +68,8 @@ public:
     }
 
     /// Runs the passes that `wanted` needs.
-    /// throws  InputError for a size below 1 or above what the GL offers
+    /// throws  InputError for a size below 1 or above what the GL offers, and for shadows if no
+    ///         light casts any
     FrameReport draw(const Camera& camera, int width, int height, const ImageSet& wanted);
 
     /// An image of the last frame, which it must have wanted or needed.
@@ -81,11 +83,15 @@ private:
     void check_residence();
     Eigen::AlignedBox3d composed_box() const;
 
+    /// The objects as a camera sees them.
+    std::vector<FrameObject> frame_objects(const Camera& camera, int width, int height);
+
     gl::Context& context_;
     gl::ShaderLibrary shaders_;
     gl::VertexArray no_vertices_;
     Scene scene_;
     std::vector<LoadedObject> objects_ = std::vector<LoadedObject>(1);
+    std::optional<LightView> shadow_map_; // where it was drawn from, if it is that of these objects
     FrameTargets targets_;
     LookTextures look_textures_;
 };

@@ -32,9 +32,11 @@ gl::ProgramKey shading_program(ShadingModel model, bool shows_environment, std::
 }
 
 /// The live layers by kind: shaders read them in the order of the kinds.
-std::vector<Layer> live_layers(const Look& look) {
+std::vector<Layer> live_layers(const FrameContext& frame) {
+    const Look& look = frame.scene.look;
     std::vector<Layer> layers = layers_of(look);
     std::erase_if(layers, [&](const Layer& layer) {
+        if (frame.places.run_count == 0) return true;
         // Unlit colours know no light.
         const bool is_light =
             layer.blend == Blend::AmbientLight || layer.blend == Blend::DirectLight;
@@ -52,9 +54,9 @@ Eigen::Vector3f to_float(const Vec3d& v) {
 
 std::vector<Layer> layers_of(const Look& look) {
     const Effects& e = look.effects;
-    double shadow_strength = 0;
-    for (const Light& light : look.lights)
-        if (light.shadow != Shadow::None) shadow_strength = light.shadow_strength;
+    const Light* light = casting_light(look);
+    const double shadow_strength =
+        light != nullptr && light->colour != Vec3d::Zero() ? light->shadow_strength : 0;
     return {
         {FrameImage::SolidTexture, Blend::SurfaceColour, e.solid_texture.strength},
         {FrameImage::CurvatureColour, Blend::SurfaceColour, e.curvature_colour.strength},
@@ -72,16 +74,22 @@ std::vector<Layer> layers_of(const Look& look) {
     };
 }
 
-ImageSet shading_reads(const Look& look) {
+const Light* casting_light(const Look& look) {
+    const auto light =
+        std::ranges::find_if(look.lights, [](const Light& l) { return l.shadow != Shadow::None; });
+    return light == look.lights.end() ? nullptr : &*light;
+}
+
+ImageSet shading_reads(const FrameContext& frame) {
     ImageSet reads{FrameImage::Hit};
-    if (look.model != ShadingModel::Flat) reads.insert(FrameImage::Gradient);
-    for (const Layer& layer : live_layers(look)) reads.insert(layer.image);
+    if (frame.scene.look.model != ShadingModel::Flat) reads.insert(FrameImage::Gradient);
+    for (const Layer& layer : live_layers(frame)) reads.insert(layer.image);
     return reads;
 }
 
 void run_shading(FrameContext& frame) {
     const Look& look = frame.scene.look;
-    const std::vector<Layer> layers = live_layers(look);
+    const std::vector<Layer> layers = live_layers(frame);
     std::map<Blend, std::size_t> counts;
     for (const Layer& layer : layers) ++counts[layer.blend];
     const gl::Program& program = frame.shaders.program(shading_program(
@@ -111,13 +119,10 @@ void run_shading(FrameContext& frame) {
     }
     if (look.model != ShadingModel::Flat) {
         frame.targets.texture(FrameImage::Gradient).bind_to_unit(1);
-        const Mat3d world_from_view = frame.camera.view_from_world_rotation().transpose();
         for (std::size_t i = 0; i < look.lights.size(); ++i) {
             const Light& light = look.lights[i];
-            const Vec3d direction =
-                light.is_in_view_space ? Vec3d(world_from_view * light.direction) : light.direction;
             program.set(fmt::format("u_light_directions[{}]", i).c_str(),
-                        to_float(direction.normalized()));
+                        to_float(direction_world(light, frame.camera)));
             program.set(fmt::format("u_light_colours[{}]", i).c_str(), to_float(light.colour));
             if (light.shadow != Shadow::None && counts.contains(Blend::DirectLight))
                 program.set("u_shadowed_light", static_cast<int>(i));

@@ -9,9 +9,10 @@ namespace isocast {
 /// Length of the diagonal of the field's extent [world].
 double extent_diagonal_world(const FieldSource& field);
 
-/// A curvature that nobody sees: a radius of a thousand objects [1/world].
+/// A curvature that nobody sees: a radius of a hundred objects, which across the object makes a
+/// bulge of an 800th of it [1/world].
 inline double flat_curvature(const FieldSource& field) {
-    return 1e-3 / extent_diagonal_world(field);
+    return 1e-2 / extent_diagonal_world(field);
 }
 
 /// The values of `measure` of (k1, k2) that `low` and `high` of the picture's hits do not exceed.

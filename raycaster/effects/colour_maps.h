@@ -8,8 +8,8 @@ namespace isocast {
 
 /// Linear RGB at t in [0, 1].
 ///
-/// accuracy  viridis: 18 of its 256 published colours, between them linear in sRGB, off by at most
-///           0.016 there (blue, near the end)
+/// accuracy  viridis: 18 of its 256 published colours, between them linear in sRGB, off by 0.02
+///           there at most (blue, near the end)
 /// source    viridis: S. van der Walt, N. Smith, E. Firing, bids.github.io/colormap (CC0).
 ///           Cool-warm: Moreland, "Diverging Color Maps for Scientific Visualization", 2009, by its
 ///           Msh coordinates

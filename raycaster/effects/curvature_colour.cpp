@@ -29,7 +29,7 @@ gl::Texture map_texture(ColourMap map) {
         for (const double c : {colour.x(), colour.y(), colour.z(), 1.0})
             texels.push_back(static_cast<float>(c));
     }
-    return gl::Texture::picture(gl::Format::Rgba16f, map_texels, 1, texels, gl::Wrap::Clamp,
+    return gl::Texture::picture(gl::Format::Rgba32f, map_texels, 1, texels, gl::Wrap::Clamp,
                                 "colour map");
 }
 

@@ -12,9 +12,10 @@ inline constexpr float no_gradient = 2;
 /// Length of the longest diagonal of an object's extent [world].
 double extent_diagonal_world(const FrameContext& frame);
 
-/// A curvature that nobody sees: a radius of a thousand objects [1/world].
+/// A curvature that nobody sees: a radius of a hundred objects, which across the object makes a
+/// bulge of an 800th of it [1/world].
 inline double flat_curvature(const FrameContext& frame) {
-    return 1e-3 / extent_diagonal_world(frame);
+    return 1e-2 / extent_diagonal_world(frame);
 }
 
 /// The least value that a `share` of the hits do not exceed; nothing in a picture without hits.

@@ -4,7 +4,6 @@
 #version 450 core
 #include "shading/environment/environment.glsl"
 #include "shading/environment/spread.glsl"
-#include "shading/surface.glsl"
 
 #if HAS_FRESNEL
 uniform float u_index; // of the object; 1 outside
@@ -29,7 +28,7 @@ out vec4 o_reflection; // linear RGB, share
 void main() {
     Surface surface = surface_at(gl_FragCoord.xy);
     vec3 direction = reflect(surface.view, surface.normal);
-    vec3 light = environment(direction, spread(direction, surface.object));
+    vec3 light = environment(direction, spread(direction, surface));
 #if HAS_FRESNEL
     float share = reflectance(-dot(surface.view, surface.normal),
                               surface.is_inside ? 1.0 / u_index : u_index);

@@ -5,7 +5,6 @@
 #version 450 core
 #include "shading/environment/environment.glsl"
 #include "shading/environment/spread.glsl"
-#include "shading/surface.glsl"
 
 uniform float u_index; // of the object; 1 outside
 
@@ -17,6 +16,6 @@ void main() {
         refract(surface.view, surface.normal, surface.is_inside ? u_index : 1.0 / u_index);
     // Total reflection.
     if (direction == vec3(0.0)) direction = reflect(surface.view, surface.normal);
-    vec3 light = environment(direction, spread(direction, surface.object));
+    vec3 light = environment(direction, spread(direction, surface));
     o_refraction = surface.object != 0.0 ? vec4(light, 1.0) : vec4(0.0);
 }

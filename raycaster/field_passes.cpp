@@ -4,6 +4,7 @@
 #include "gl/readback.h"
 #include "raycaster/composition.h"
 
+#include <Eigen/Eigenvalues>
 #include <glad/gl.h>
 
 #include <algorithm>
@@ -36,6 +37,7 @@ struct SecondOrder {
 };
 constexpr std::array second_order{
     SecondOrder{FrameImage::Curvature, "CURVATURE_AT"},
+    SecondOrder{FrameImage::Direction, "DIRECTION_AT"},
     SecondOrder{FrameImage::ViewCurvature, "VIEW_CURVATURE_AT"},
     SecondOrder{FrameImage::FlowLineCurvature, "FLOW_LINE_CURVATURE_AT"}};
 
@@ -178,28 +180,48 @@ void set_hit_uniforms(const gl::Program& program, const FrameContext& frame,
 
 namespace {
 
+/// Of shaders/raycast/derivatives.frag: how roundings and stored samples err in curvatures.
+void set_error_uniforms(const gl::Program& program, const GridSpace& space, const BrickPool& pool,
+                        Kernel kernel) {
+    // The greatest sum of |weights| of a second derivative, which is at a sample. Mixed ones have
+    // less than 4, but those of Catmull-Rom 9.
+    double hull = 0;
+    for (const double weight : kernel_weights_d2(kernel, 0)) hull += std::abs(weight);
+    hull = std::max(hull, 4.0);
+    // 2^-19: 32 roundings of what is summed; 24 are the longest way through a sum of 64 products.
+    program.set("u_entry_error",
+                Eigen::Vector2f(float(hull * 0x1p-19),
+                                float(hull * pool.storage_error() / pool.world_from_stored())));
+    // Symmetric matrices of entries up to e have eigenvalues up to 3 e, and two of them differ.
+    const double stretch = space.world_from_index.linear().inverse().operatorNorm();
+    program.set("u_difference_error", static_cast<float>(6 * stretch * stretch));
+}
+
 /// Runs raycast/derivatives.frag: of composed objects each one's, on the pixels that it owns.
 ///
-/// key_of(object, is_operand)  its program, but for the kernel
-/// set_more(program, object)   its uniforms beside those of all programs
+/// field_of  the field that is derived
+/// key_of    (its pool's defines, is_operand) -> its program, but for the kernel
+/// set_more  (program, object, field, kernel): its uniforms beside those of all programs
 template<class KeyOf, class SetMore>
-void draw_derivatives(FrameContext& frame, const gl::Framebuffer& target, int attachment_count,
-                      KeyOf key_of, SetMore set_more) {
+void draw_derivatives(FrameContext& frame, FieldOnGpu& (*field_of)(const FrameContext&),
+                      const gl::Framebuffer& target, int attachment_count, KeyOf key_of,
+                      SetMore set_more) {
     const bool is_operand = is_composed(frame.scene);
     const auto prepared = [&](const FrameContext& object) -> const gl::Program& {
-        gl::ProgramKey key = key_of(object, is_operand);
+        FieldOnGpu& field = field_of(object);
+        gl::ProgramKey key = key_of(field.pool().defines(), is_operand);
         const Kernel kernel =
             kernel_of(object.object.derivative_filter.value_or(object.object.filter));
         key.defines["KERNEL"] = std::to_string(static_cast<int>(kernel));
         const gl::Program& program = object.shaders.program(key);
-        object.derivative_field.bind(program);
+        field.bind(program);
         object.targets.texture(FrameImage::Hit).bind_to_unit(3);
-        set_hit_uniforms(program, object, object.derivative_field);
-        set_more(program, object);
+        set_hit_uniforms(program, object, field);
+        set_more(program, object, field, kernel);
         return program;
     };
     if (!is_operand) {
-        draw_field(frame, frame.derivative_field, target, attachment_count, prepared(frame));
+        draw_field(frame, field_of(frame), target, attachment_count, prepared(frame));
         return;
     }
     target.bind();
@@ -324,10 +346,13 @@ void cast_rays(FrameContext& frame) {
         run_raycast(frame);
 }
 
+bool is_of_second_order(FrameImage image) {
+    return std::ranges::find(second_order, image, &SecondOrder::image) != second_order.end();
+}
+
 FrameImage drawn_with(const FrameContext& frame, FrameImage image) {
     if (image == FrameImage::Gradient && frame.has_fused_gradient) return FrameImage::Hit;
-    if (std::ranges::find(second_order, image, &SecondOrder::image) == second_order.end())
-        return image;
+    if (!is_of_second_order(image)) return image;
     return std::ranges::find_if(second_order,
                                 [&](const SecondOrder& other) {
                                     return other.image == image || frame.live.contains(other.image);
@@ -338,12 +363,10 @@ FrameImage drawn_with(const FrameContext& frame, FrameImage image) {
 void run_gradient(FrameContext& frame) {
     if (drawn_with(frame, FrameImage::Gradient) != FrameImage::Gradient) return;
     draw_derivatives(
-        frame, frame.targets.framebuffer(FrameImage::Gradient), 1,
-        [](const FrameContext& object, bool is_operand) {
-            return gradient_program(object.derivative_field.pool().defines(), is_operand);
-        },
-        [](const gl::Program& program, const FrameContext& object) {
-            program.set("u_world_from_stored", object.derivative_field.pool().world_from_stored());
+        frame, [](const FrameContext& object) -> FieldOnGpu& { return object.derivative_field; },
+        frame.targets.framebuffer(FrameImage::Gradient), 1, gradient_program,
+        [](const gl::Program& program, const FrameContext&, const FieldOnGpu& field, Kernel) {
+            program.set("u_world_from_stored", field.pool().world_from_stored());
         });
 }
 
@@ -354,12 +377,16 @@ void run_second_order(FrameContext& frame, FrameImage image) {
         if (frame.live.contains(other.image))
             textures.push_back(&frame.targets.texture(other.image));
     draw_derivatives(
-        frame, gl::Framebuffer(textures, "of second order"), static_cast<int>(textures.size()),
-        [&](const FrameContext& object, bool is_operand) {
-            return second_order_program(object.derivative_field.pool().defines(), is_operand,
-                                        frame.live);
+        frame, [](const FrameContext& object) -> FieldOnGpu& { return object.curvature_field; },
+        gl::Framebuffer(textures, "of second order"), static_cast<int>(textures.size()),
+        [&](std::map<std::string, std::string> defines, bool is_operand) {
+            return second_order_program(std::move(defines), is_operand, frame.live);
         },
-        [&](const gl::Program& program, const FrameContext&) {
+        [&](const gl::Program& program, const FrameContext& object, const FieldOnGpu& field,
+            Kernel kernel) {
+            if (frame.live.contains(FrameImage::Curvature) ||
+                frame.live.contains(FrameImage::Direction))
+                set_error_uniforms(program, object.object.field->space(), field.pool(), kernel);
             if (frame.live.contains(FrameImage::ViewCurvature))
                 program.set("u_ray_vector_world",
                             Eigen::Matrix3f(
@@ -367,8 +394,6 @@ void run_second_order(FrameContext& frame, FrameImage image) {
                                     .cast<float>()));
         });
 }
-
-std::vector<std::map<std::string, std::string>> all_pool_defines() {}
 
 std::vector<std::map<std::string, std::string>> all_pool_defines() {
     std::vector<StorageOptions> storages{{.fetch = Fetch::Rows}, {.fetch = Fetch::Samples}};

@@ -18,7 +18,10 @@ void cast_rays(FrameContext& frame);
 FrameImage drawn_with(const FrameContext& frame, FrameImage image);
 // Of composed objects each one's, where it is hit.
 void run_gradient(FrameContext& frame);
-/// Curvature, ViewCurvature, FlowLineCurvature: the first live one draws all live ones.
+/// Whether the image follows from the Hessian: Curvature, Direction, ViewCurvature,
+/// FlowLineCurvature.
+bool is_of_second_order(FrameImage image);
+/// The first live one draws all live ones.
 void run_second_order(FrameContext& frame, FrameImage image);
 
 /// Binds and sets what raycast/raycast.frag needs of the frame's object.

@@ -98,9 +98,20 @@ PlacesOnGpu union_of_places(std::span<const FrameObject> objects, int width, int
 }
 
 FrameContext of_object(const FrameContext& frame, const FrameObject& object) {
-    return {frame.shaders,           frame.no_vertices,   frame.scene,  object.object, object.field,
-            object.derivative_field, object.places,       frame.camera, frame.width,   frame.height,
-            frame.targets,           frame.look_textures, frame.objects};
+    return {frame.shaders,
+            frame.no_vertices,
+            frame.scene,
+            object.object,
+            object.field,
+            object.derivative_field,
+            object.curvature_field,
+            object.places,
+            frame.camera,
+            frame.width,
+            frame.height,
+            frame.targets,
+            frame.look_textures,
+            frame.objects};
 }
 
 void draw_on_tiles(const FrameContext& frame, const gl::Program& program) {
@@ -165,6 +176,7 @@ gl::Format format_of(FrameImage image) {
     case FrameImage::FlowLineCurvature:
     case FrameImage::ShadowMap:
     case FrameImage::Occlusion:
+    case FrameImage::FlowNoise:
         return gl::Format::R32f;
     default:
         return gl::Format::Rgba32f;

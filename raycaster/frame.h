@@ -50,6 +50,7 @@ struct FrameObject {
     const FieldObject& object;
     FieldOnGpu& field;
     FieldOnGpu& derivative_field; // of the same blocks; `field` where control samples are shared
+    FieldOnGpu& curvature_field;  // of the same blocks, what curvatures are derived from
     PlacesOnGpu places;
     Eigen::AlignedBox3d box_world; // of its active blocks; empty if there is none
 };
@@ -75,6 +76,7 @@ struct FrameContext {
     const FieldObject& object;
     FieldOnGpu& field;
     FieldOnGpu& derivative_field;
+    FieldOnGpu& curvature_field;
     const PlacesOnGpu& places; // where objects are composed those of all
     const Camera& camera;
     int width;

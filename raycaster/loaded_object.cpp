@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "raycaster/loaded_object.h"
 
+#include "filtering/smoothed_field.h"
 #include "volume/errors.h"
 
 #include <fmt/format.h>
@@ -45,7 +46,7 @@ Eigen::AlignedBox3d world_box(const IndexBox& box, const GridSpace& space) {
 }
 
 void LoadedObject::load(FieldObject object, const StorageOptions& storage, Traversal traversal,
-                        const Progress& progress) {
+                        double curvature_scale_voxels, const Progress& progress) {
     const Filter derivative_filter = object.derivative_filter.value_or(object.filter);
     if (storage.fetch == Fetch::Linear && kernel_of(object.filter) == Kernel::CatmullRom)
         throw InputError(fmt::format("linear fetches need weights of one sign, which the filter {} "
@@ -59,9 +60,11 @@ void LoadedObject::load(FieldObject object, const StorageOptions& storage, Trave
     moving_.reset();
     derivative_field_ = {};
     derivative_control_ = {};
+    keep_smoothed(false);
     object_ = std::move(object);
     storage_ = storage;
     traversal_ = traversal;
+    curvature_scale_voxels_ = curvature_scale_voxels;
     control_ = control_samples(object_.field, object_.filter, progress);
     if (!share_control_samples(object_.filter, derivative_filter))
         derivative_control_ = control_samples(object_.field, derivative_filter, progress);
@@ -81,7 +84,7 @@ void LoadedObject::set_iso(double iso_world) {
     if (storage_.over_budget == OverBudget::Coarsen) { // ranges depend on what is coarse
         FieldObject object = object_;
         object.iso_world = iso_world;
-        load(std::move(object), storage_, traversal_);
+        load(std::move(object), storage_, traversal_, curvature_scale_voxels_);
         return;
     }
     if (!moving_)
@@ -105,9 +108,9 @@ void LoadedObject::upload(const Progress& progress) {
     surface_box_.reset();
     field_ = {};
     derivative_field_ = {};
+    keep_smoothed(false);
     const float iso = static_cast<float>(object_.iso_world);
-    StorageOptions storage = storage_;
-    if (derivative_control_) storage.budget_bytes /= 2;
+    const StorageOptions storage = storage_share();
     field_ = FieldOnGpu(*object_.field, *control_, kernel_of(object_.filter), ranges_, active_, iso,
                         storage, progress, traversal_, coarse_ ? &*coarse_ : nullptr);
     if (derivative_control_) {
@@ -116,6 +119,25 @@ void LoadedObject::upload(const Progress& progress) {
             FieldOnGpu(*object_.field, *derivative_control_, kernel_of(*object_.derivative_filter),
                        derivative_ranges_, active_, iso, storage, progress);
     }
+}
+
+StorageOptions LoadedObject::storage_share() const {
+    StorageOptions storage = storage_;
+    storage.budget_bytes /=
+        1 + (derivative_control_ ? 1 : 0) + (curvature_scale_voxels_ > 0 ? 1 : 0);
+    return storage;
+}
+
+void LoadedObject::keep_smoothed(bool is_needed) {
+    if (!is_needed) smoothed_ = {};
+    if (!is_needed || smoothed_.control) return;
+    const Filter filter = object_.derivative_filter.value_or(object_.filter);
+    smoothed_.control = control_samples(
+        std::make_shared<SmoothedField>(object_.field, curvature_scale_voxels_), filter);
+    smoothed_.ranges = with_samples_of(*smoothed_.control, ranges_, active_);
+    smoothed_.field =
+        FieldOnGpu(*object_.field, *smoothed_.control, kernel_of(filter), smoothed_.ranges, active_,
+                   static_cast<float>(object_.iso_world), storage_share());
 }
 
 const IndexBox& LoadedObject::surface_box() const {

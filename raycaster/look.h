@@ -137,13 +137,14 @@ struct Uncertainty {
     Vec3d colour = Vec3d(0.8, 0.1, 0.1);
 };
 
-/// Lines along a principal direction: line-integral convolution of a noise in space.
+/// Lines along a principal direction: line-integral convolution of a noise in space, as a factor of
+/// the surface's colour.
 struct Flow {
     double strength = 0;
     int direction = 1; // of k1 or k2
     double length_pixels = 20;
     double grain_pixels = 1.5;
-    std::optional<double> phase; // in [0, 1): a travelling kernel, for animations
+    std::optional<double> phase; // with period 1: the kernel travels along the lines
 };
 
 struct Reflection {

@@ -3,6 +3,7 @@
 
 #include "raycaster/composition.h"
 #include "raycaster/effects/effects.h"
+#include "raycaster/effects/flow.h"
 #include "raycaster/effects/occlusion.h"
 #include "raycaster/effects/shadow.h"
 #include "raycaster/field_passes.h"
@@ -14,7 +15,7 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
     const ImageSet bounds = frame.scene.quality.traversal == Traversal::BoundingFaces
                                 ? ImageSet{FrameImage::Bounds}
                                 : ImageSet{};
-    return {
+    std::vector<Pass> passes{
         {"bounds", {}, FrameImage::Bounds, [&frame] { run_bounds(frame); }},
         {"raycast", bounds, FrameImage::Hit,
          [&frame] {
@@ -36,6 +37,10 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
          {FrameImage::Hit},
          FrameImage::FlowLineCurvature,
          [&frame] { run_second_order(frame, FrameImage::FlowLineCurvature); }},
+        {"direction",
+         {FrameImage::Hit},
+         FrameImage::Direction,
+         [&frame] { run_second_order(frame, FrameImage::Direction); }},
         {"solid texture", solid_texture_reads(frame.scene.look.effects.solid_texture),
          FrameImage::SolidTexture, [&frame] { run_solid_texture(frame); }},
         {"curvature colour",
@@ -87,17 +92,21 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
          {FrameImage::OutlineSource},
          FrameImage::Outlines,
          [&frame] { run_outlines(frame); }},
-        {"shading", shading_reads(frame), FrameImage::Beauty, [&frame] { run_shading(frame); }},
     };
+    for (Pass& pass : flow_passes(frame)) passes.push_back(std::move(pass));
+    passes.push_back(
+        {"shading", shading_reads(frame), FrameImage::Beauty, [&frame] { run_shading(frame); }});
+    return passes;
 }
 
 std::vector<gl::ProgramKey> all_programs() {
     std::vector<gl::ProgramKey> keys = field_programs();
     for (const std::vector<gl::ProgramKey>& more :
          {composition_programs(), solid_texture_programs(), curvature_colour_programs(),
-          curvature_map_programs(), uncertainty_programs(), accessibility_programs(),
-          occlusion_programs(), shadow_programs(), refraction_programs(), reflection_programs(),
-          ridges_programs(), contours_programs(), outlines_programs(), shading_programs()})
+          curvature_map_programs(), uncertainty_programs(), flow_programs(),
+          accessibility_programs(), occlusion_programs(), shadow_programs(), refraction_programs(),
+          reflection_programs(), ridges_programs(), contours_programs(), outlines_programs(),
+          shading_programs()})
         keys.insert(keys.end(), more.begin(), more.end());
     return keys;
 }

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "raycaster/renderer.h"
 
+#include "filtering/smoothed_field.h"
 #include "gl/timer.h"
 #include "raycaster/effects/effects.h"
+#include "raycaster/effects/flow.h"
 #include "raycaster/effects/shadow.h"
 #include "raycaster/field_passes.h"
 #include "raycaster/passes.h"
@@ -50,6 +52,7 @@ void check_look(const Look& look) {
         throw InputError(fmt::format("{} rays for ambient occlusion: 1 at least", occlusion.rays));
     if (occlusion.distance_world && !(*occlusion.distance_world > 0))
         throw InputError("the distance of occluders must be positive");
+    check(look.effects.flow);
 }
 
 } // namespace
@@ -66,6 +69,12 @@ void Renderer::load(Scene scene, const Progress& progress) {
         (scene.quality.rate || scene.quality.traversal != Traversal::TileLists))
         throw InputError("composed objects are searched by certified steps through lists of "
                          "blocks, not at a rate or by other traversals");
+    if (!(scene.curvature_scale_voxels >= 0 &&
+          scene.curvature_scale_voxels <= greatest_scale_voxels))
+        throw InputError(fmt::format("a curvature scale of {} voxels: it must lie between 0 and {}",
+                                     scene.curvature_scale_voxels, greatest_scale_voxels));
+    if (scene.storage.over_budget == OverBudget::Coarsen && scene.curvature_scale_voxels > 0)
+        throw InputError("coarse bricks cannot have curvatures at a scale");
     check_look(scene.look);
     // The old fields go first, so that both are never in memory.
     objects_.clear();
@@ -75,7 +84,8 @@ void Renderer::load(Scene scene, const Progress& progress) {
     StorageOptions storage = scene_.storage;
     storage.budget_bytes /= std::ssize(objects);
     for (std::size_t i = 0; i < objects.size(); ++i)
-        objects_[i].load(objects[i], storage, scene_.quality.traversal, progress);
+        objects_[i].load(objects[i], storage, scene_.quality.traversal,
+                         scene_.curvature_scale_voxels, progress);
     check_residence();
 }
 
@@ -144,6 +154,7 @@ std::vector<FrameObject> Renderer::frame_objects(const Camera& camera, int width
         objects.push_back({object.object(),
                            object.field(),
                            object.derivative_field(),
+                           object.curvature_field(),
                            {scene_.quality.traversal, object.ranges(), object.active(),
                             object.object().field->space(), camera, width, height},
                            object.box_world()});
@@ -166,6 +177,7 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
                        first.object,
                        first.field,
                        first.derivative_field,
+                       first.curvature_field,
                        is_composed(scene_) ? places_of_all : first.places,
                        camera,
                        width,
@@ -198,6 +210,11 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
     }
     const bool keeps_shadow_map = frame.light && frame.light == shadow_map_;
     if (!keeps_shadow_map) shadow_map_.reset();
+
+    const bool is_smoothed =
+        scene_.curvature_scale_voxels > 0 &&
+        std::ranges::any_of(live, [](const Pass& pass) { return is_of_second_order(pass.writes); });
+    for (LoadedObject& object : objects_) object.keep_smoothed(is_smoothed);
 
     for (const Pass& pass : declared) {
         gl::Texture& texture = targets_.texture(pass.writes);

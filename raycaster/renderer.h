@@ -40,8 +40,8 @@ public:
     /// Finds the active blocks and uploads their bricks.
     /// throws  InputError if the scene is wrong (objects_of), asks for Catmull-Rom's filter by
     /// linear
-    ///         fetches, or for several objects by other than certified steps and lists;
-    ///         ResourceError if it does not fit
+    ///         fetches, for an impossible scale of curvatures, or for several objects by other than
+    ///         certified steps and lists; ResourceError if it does not fit
     void load(Scene scene, const Progress& progress = {});
 
     /// Moves the isosurface of an object of the loaded scene: pictures are, bit by bit, those of

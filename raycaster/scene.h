@@ -58,6 +58,10 @@ struct Scene {
     double iso_world = 0;
     Filter filter = Filter::Interpolating;
     std::optional<Filter> derivative_filter;
+    /// Curvatures and their directions, and what is made of these, are those of the field smoothed
+    /// by a Gaussian of so many voxels (filtering/smoothed_field.h), at the same hits: neither the
+    /// surface nor its normals move. At most greatest_scale_voxels.
+    double curvature_scale_voxels = 0;
     StorageOptions storage; // the budget is that of all objects
     Quality quality;
     Look look;

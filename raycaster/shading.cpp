@@ -26,6 +26,7 @@ gl::ProgramKey shading_program(ShadingModel model, bool shows_environment, std::
              {"LIGHTS", std::to_string(model == ShadingModel::Flat ? 0 : lights)},
              {"OBJECTS", std::to_string(objects)},
              {"SURFACE_LAYERS", count(Blend::SurfaceColour)},
+             {"SURFACE_FACTORS", count(Blend::SurfaceFactor)},
              {"AMBIENT_FACTORS", count(Blend::AmbientLight)},
              {"SHADOWS", count(Blend::DirectLight)},
              {"OVERLAYS", count(Blend::Overlay)}}};
@@ -62,7 +63,7 @@ std::vector<Layer> layers_of(const Look& look) {
         {FrameImage::CurvatureColour, Blend::SurfaceColour, e.curvature_colour.strength},
         {FrameImage::CurvatureMap, Blend::SurfaceColour, e.curvature_map.strength},
         {FrameImage::Uncertainty, Blend::SurfaceColour, e.uncertainty.strength},
-        {FrameImage::Flow, Blend::SurfaceColour, e.flow.strength},
+        {FrameImage::Flow, Blend::SurfaceFactor, e.flow.strength},
         {FrameImage::Ridges, Blend::SurfaceColour, e.ridges.strength},
         {FrameImage::Accessibility, Blend::SurfaceColour, e.accessibility.strength},
         {FrameImage::Occlusion, Blend::AmbientLight, e.occlusion.strength},
@@ -100,10 +101,11 @@ void run_shading(FrameContext& frame) {
     std::map<Blend, int> numbers;
     for (const Layer& layer : layers) {
         frame.targets.texture(layer.image).bind_to_unit(static_cast<unsigned>(unit++));
-        const char* name = layer.blend == Blend::SurfaceColour  ? "u_surface_strengths"
-                           : layer.blend == Blend::AmbientLight ? "u_ambient_strengths"
-                           : layer.blend == Blend::DirectLight  ? "u_shadow_strengths"
-                                                                : "u_overlay_strengths";
+        const char* name = layer.blend == Blend::SurfaceColour   ? "u_surface_strengths"
+                           : layer.blend == Blend::SurfaceFactor ? "u_factor_strengths"
+                           : layer.blend == Blend::AmbientLight  ? "u_ambient_strengths"
+                           : layer.blend == Blend::DirectLight   ? "u_shadow_strengths"
+                                                                 : "u_overlay_strengths";
         program.set(fmt::format("{}[{}]", name, numbers[layer.blend]++).c_str(),
                     static_cast<float>(layer.strength));
     }
@@ -168,6 +170,7 @@ std::vector<gl::ProgramKey> shading_programs() {
                 keys.push_back(
                     shading_program(model, shows_environment, 1 + count, count == 1 ? 2 : 1,
                                     {{Blend::SurfaceColour, count},
+                                     {Blend::SurfaceFactor, count},
                                      {Blend::AmbientLight, factors},
                                      {Blend::DirectLight, std::min<std::size_t>(1, factors)},
                                      {Blend::Overlay, count}}));

@@ -74,6 +74,7 @@ void run_shadow_map(FrameContext& frame) {
                           frame.object,
                           frame.field,
                           frame.derivative_field,
+                          frame.curvature_field,
                           is_composed(frame.scene) ? places_of_all : objects.front().places,
                           light.camera,
                           light.width,

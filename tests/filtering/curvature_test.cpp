@@ -3,6 +3,8 @@
 #include "filtering/curvature.h"
 
 #include "../volume/random_fields.h"
+#include "filtering/filter.h"
+#include "filtering/reconstruct.h"
 #include "volume/analytic_fields.h"
 
 #include <gtest/gtest.h>
@@ -164,6 +166,54 @@ TEST(Curvature, SolvesTheEigenproblemForAnyNormal) {
         for (const auto& [k, d] : {std::pair{c.k1, c.direction1}, std::pair{c.k2, c.direction2}})
             EXPECT_LE((tangential * h * d / length - k * d).norm(), 1e-12 * scale);
     }
+}
+
+/// RMS error of k1 and k2 on the torus, by the interpolating spline of its samples.
+constexpr double minor = 0.4;
+double rms_on_the_torus(int samples_per_axis, std::optional<double> half_width_voxels) {
+    constexpr double major = 1;
+    const AnalyticField torus =
+        torus_field(Vec3d(0.011, -0.007, 0.003), {0.3, 1, 0.5}, major, minor);
+    AnalyticField in_a_cube = torus;
+    in_a_cube.half_extent_world = 1.75;
+    const auto control = control_samples(sampled(in_a_cube, samples_per_axis, half_width_voxels),
+                                         Filter::Interpolating);
+    Random random(6);
+    double squares = 0;
+    int count = 0;
+    while (count < 400) {
+        Vec3d p = test::random_point(random, -1.5, 1.5);
+        const Jet near = torus.jet(p);
+        if (std::abs(near.value) > 0.2) continue;
+        p -= near.value * near.gradient; // onto the torus
+        ++count;
+        const Jet jet = tricubic_jet(*control, control->space().to_index(p));
+        const Curvatures c = principal_curvatures(control->space().gradient_to_world(jet.gradient),
+                                                  control->space().hessian_to_world(jet.hessian));
+        const Jet exact = torus.jet(p);
+        const Curvatures e = principal_curvatures(exact.gradient, exact.hessian);
+        squares += (std::pow(c.k1 - e.k1, 2) + std::pow(c.k2 - e.k2, 2)) / 2;
+    }
+    return std::sqrt(squares / count);
+}
+
+/// The spline's second derivatives are of second order: as long as the band holds all that the
+/// control samples around a hit are made of, which is as far as 2 sqrt 3 + 1 = 4.5 voxels.
+TEST(Curvature, ConvergesAtSecondOrderInABandOfFiveVoxels) {
+    for (const std::optional<double> half_width : {std::optional<double>{}, {5.0}}) {
+        double before = rms_on_the_torus(48, half_width);
+        // (1/12) of fourth derivatives, at most 15/0.4^3, at voxels of 3.5/47; the RMS is a third.
+        EXPECT_LT(before, 15 / std::pow(minor, 3) / 12 * std::pow(3.5 / 47, 2) / 3);
+        for (const int n : {95, 189}) { // half the voxel each time
+            const double after = rms_on_the_torus(n, half_width);
+            // 2^2, less what the fourth order still has at 5 voxels in the minor radius.
+            EXPECT_GT(before / after, 3.6) << n;
+            EXPECT_LT(before / after, 4.4) << n;
+            before = after;
+        }
+    }
+    // In a narrower one the error stays where it reaches the band's edge.
+    EXPECT_LT(rms_on_the_torus(95, 3.0) / rms_on_the_torus(189, 3.0), 3.6);
 }
 
 /// Eq. 6.8 as printed is the zero vector here.

@@ -2,12 +2,11 @@
 #include "apps/exr_layers.h"
 
 #include "apps/inputs.h"
+#include "raycaster/effects/curvature_measure.h"
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace isocast {
 
@@ -111,22 +110,19 @@ ExrImage exr_image(const FrameImages& frame, const Camera& camera, const ExrLaye
     }
 
     if (layers.curvature) {
-        const auto add = [&](const char* name, auto value) {
+        const auto add = [&](const char* name, CurvatureMeasure measure) {
             auto& values = channel(fmt::format("curvature.{}", name));
             for (std::size_t i = 0; i < count; ++i) {
                 const float* k = &frame.curvature.rgba[4 * i];
-                if (k[3] != 0) values[i] = static_cast<float>(value(double{k[0]}, double{k[1]}));
+                if (k[3] != 0) values[i] = static_cast<float>(curvature_measure(measure, k[0], k[1]));
             }
         };
-        add("k1", [](double k1, double) { return k1; });
-        add("k2", [](double, double k2) { return k2; });
-        add("mean", [](double k1, double k2) { return (k1 + k2) / 2; });
-        add("gauss", [](double k1, double k2) { return k1 * k2; });
-        // atan2 needs no quotient: at umbilics the index is 1 or -1, on planes 0.
-        add("shapeIndex", [](double k1, double k2) {
-            return 2 / std::numbers::pi * std::atan2(k1 + k2, k1 - k2);
-        });
-        add("curvedness", [](double k1, double k2) { return std::hypot(k1, k2) / std::sqrt(2); });
+        add("k1", CurvatureMeasure::K1);
+        add("k2", CurvatureMeasure::K2);
+        add("mean", CurvatureMeasure::Mean);
+        add("gauss", CurvatureMeasure::Gauss);
+        add("shapeIndex", CurvatureMeasure::ShapeIndex);
+        add("curvedness", CurvatureMeasure::Curvedness);
     }
 
     const Eigen::Matrix4d world_to_camera = camera_from_world(camera);

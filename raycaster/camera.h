@@ -25,6 +25,8 @@ struct Camera {
     Mat3d view_from_world_rotation() const;
     /// Half the height of the picture `depth` in front of the eye [world].
     double half_height_at(double depth) const;
+
+    bool operator==(const Camera&) const = default;
 };
 
 /// A ray in world space, not normalised: for a perspective camera it starts at the eye, for an

@@ -35,21 +35,24 @@ void FieldOnGpu::bind_blocks(const gl::Program& program) const {
     pool_.bind();
 }
 
+void PlacesOnGpu::set_runs(std::vector<Eigen::Vector4i> of_tiles) {
+    tile_runs = std::move(of_tiles);
+    run_count = static_cast<int>(tile_runs.size());
+    runs = {std::as_bytes(std::span(tile_runs)), gl::Format::Rgba32i, "tile runs"};
+}
+
 PlacesOnGpu::PlacesOnGpu(Traversal traversal, const BlockRanges& ranges,
                          const std::vector<ActivePage>& active, const GridSpace& space,
                          const Camera& camera, int width, int height) {
-    std::vector<Eigen::Vector4i> tile_runs;
     if (traversal == Traversal::TileLists) {
         const TileLists tiles = list_blocks(ranges, active, space, camera, width, height);
         columns = tiles.width;
         lists = {std::as_bytes(std::span(tiles.lists)), gl::Format::Rg32i, "tiles"};
         blocks = {std::as_bytes(std::span(tiles.blocks)), gl::Format::R32i, "blocks of tiles"};
-        tile_runs = tiles.runs();
+        set_runs(tiles.runs());
     } else {
-        tile_runs = whole_picture(width, height);
+        set_runs(whole_picture(width, height));
     }
-    run_count = static_cast<int>(tile_runs.size());
-    runs = {std::as_bytes(std::span(tile_runs)), gl::Format::Rgba32i, "tile runs"};
     if (traversal == Traversal::DrawnBlocks) {
         BlockOrder nearest_first = order_blocks(ranges, active, space, camera);
         order = {std::as_bytes(std::span(nearest_first.blocks)), gl::Format::R32i, "block order"};

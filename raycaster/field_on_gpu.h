@@ -68,7 +68,10 @@ struct PlacesOnGpu {
                 const std::vector<ActivePage>& active, const GridSpace& space, const Camera& camera,
                 int width, int height);
 
-    NumbersOnGpu runs; // of tiles that can show something, along x
+    void set_runs(std::vector<Eigen::Vector4i> of_tiles);
+
+    std::vector<Eigen::Vector4i> tile_runs; // of tiles that can show something, along x
+    NumbersOnGpu runs;                      // the same
     int run_count = 0;
     // Traversal::TileLists
     int columns = 0;

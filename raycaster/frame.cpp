@@ -52,6 +52,22 @@ void draw_runs(const FrameContext& frame, const gl::Program& program, const Numb
 
 } // namespace
 
+void FrameTargets::make(FrameImage image, int width, int height) {
+    framebuffer(image) = {};
+    texture(image) = {}; // so that the old one and the new are never both in memory
+    texture(image) =
+        gl::Texture::image(format_of(image), width, height, name_of(image), filter_of(image));
+    framebuffer(image) = gl::Framebuffer({&texture(image)}, name_of(image));
+}
+
+Vec3d direction_world(const Light& light, const Camera& viewer) {
+    const Vec3d direction =
+        light.is_in_view_space
+            ? Vec3d(viewer.view_from_world_rotation().transpose() * light.direction)
+            : light.direction;
+    return direction.normalized();
+}
+
 const gl::Texture& LookTextures::texture(const std::string& name,
                                          const std::function<gl::Texture()>& make) {
     auto found = textures_.find(name);
@@ -59,10 +75,43 @@ const gl::Texture& LookTextures::texture(const std::string& name,
     return found->second;
 }
 
+std::optional<double> LookTextures::number(const std::string& name,
+                                           const std::function<std::optional<double>()>& find) {
+    if (const auto found = numbers_.find(name); found != numbers_.end()) return found->second;
+    const std::optional<double> number = find();
+    if (number) numbers_.emplace(name, *number);
+    return number;
+}
+
 std::int64_t LookTextures::byte_count() const {
     std::int64_t bytes = 0;
     for (const auto& [name, texture] : textures_) bytes += texture.byte_count();
     return bytes;
+}
+
+PlacesOnGpu union_of_places(std::span<const FrameObject> objects, int width, int height) {
+    std::vector<std::vector<Eigen::Vector4i>> runs;
+    for (const FrameObject& object : objects) runs.push_back(object.places.tile_runs);
+    PlacesOnGpu places;
+    places.set_runs(union_of_runs(runs, width, height));
+    return places;
+}
+
+FrameContext of_object(const FrameContext& frame, const FrameObject& object) {
+    return {frame.shaders,
+            frame.no_vertices,
+            frame.scene,
+            object.object,
+            object.field,
+            object.derivative_field,
+            object.curvature_field,
+            object.places,
+            frame.camera,
+            frame.width,
+            frame.height,
+            frame.targets,
+            frame.look_textures,
+            frame.objects};
 }
 
 void draw_on_tiles(const FrameContext& frame, const gl::Program& program) {
@@ -93,6 +142,7 @@ RayCoefficients ray_coefficients(const Camera& camera, int width, int height,
         -(rotation * (space.to_world(local_origin_index.cast<double>()) - camera.eye_world)).z(),
         space.voxel_size_world());
     RayCoefficients ray;
+    ray.depth_world = depth;
     ray.from_eye = index_from_view * view_point_coefficients(camera, width, height, depth);
     ray.point = ray.from_eye;
     ray.point.col(0) += eye_local(camera, space, local_origin_index);
@@ -111,15 +161,30 @@ Vec3d eye_local(const Camera& camera, const GridSpace& space, const Index3& loca
 
 gl::Format format_of(FrameImage image) {
     switch (image) {
+    case FrameImage::SolidTexture:
+    case FrameImage::CurvatureColour:
+    case FrameImage::CurvatureMap:
+    case FrameImage::Accessibility:
+    case FrameImage::Refraction:
+    case FrameImage::Reflection:
     case FrameImage::Beauty:
         return gl::Format::Rgba16f;
     case FrameImage::Bounds:
+    case FrameImage::Shadow:
         return gl::Format::Rg32f;
+    case FrameImage::ViewCurvature:
+    case FrameImage::FlowLineCurvature:
+    case FrameImage::ShadowMap:
+    case FrameImage::Occlusion:
     case FrameImage::FlowNoise:
         return gl::Format::R32f;
     default:
         return gl::Format::Rgba32f;
     }
+}
+
+gl::Filter filter_of(FrameImage image) {
+    return image == FrameImage::OutlineSource ? gl::Filter::Linear : gl::Filter::Nearest;
 }
 
 } // namespace isocast

@@ -17,10 +17,13 @@ enum class FrameImage {
     Gradient,  // gradient of the field at the hit [1/world * world], world axes
     Curvature, // principal curvatures k1 >= k2 [1/world], 0; 1, or 2 where the gradient vanishes,
                // 3 at umbilics
+    ViewCurvature,     // normal curvature in the direction of the ray [1/world]
+    FlowLineCurvature, // how fast the gradient turns along itself [1/world]
     Direction, // of k1, unit, world axes (that of k2 is normal x this); how far k1 and k2 differ,
                // by |k1| + |k2|: 0 at umbilics and where the gradient vanishes
-    ShadowMap, // first hits from the light
+    ShadowMap, // how far below the light's plane it sees the surface [texels]
     FlowNoise, // a noise in space at the hit: mean 0, variance 1
+    OutlineSource, // unit normal, nearness, affine over the picture of a plane; 0 beside hits
     // What effects make. Layers: linear RGB, coverage.
     SolidTexture,
     CurvatureColour,
@@ -37,7 +40,7 @@ enum class FrameImage {
     Outlines,
     Beauty, // shaded colour, linear; coverage
 };
-inline constexpr int frame_image_count = 21;
+inline constexpr int frame_image_count = 24;
 
 std::string_view name_of(FrameImage image);
 

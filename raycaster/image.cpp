@@ -34,6 +34,14 @@ png_byte srgb_byte(float linear) {
 
 } // namespace
 
+std::vector<float> bottom_up(const Image& image) {
+    std::vector<float> texels;
+    texels.reserve(image.rgba.size());
+    for (int y = image.height - 1; y >= 0; --y)
+        texels.insert(texels.end(), image.pixel(0, y), image.pixel(0, y) + 4 * image.width);
+    return texels;
+}
+
 void write_png(const Image& linear, const std::filesystem::path& path) {
     AtomicFile output(path);
     std::FILE* file = std::fopen(output.temporary_path().c_str(), "wb");

@@ -23,6 +23,9 @@ struct Image {
     }
 };
 
+/// The bottom row first, as textures have it.
+std::vector<float> bottom_up(const Image& image);
+
 /// Writes 8-bit sRGB from linear RGB, without alpha. The file appears whole or not at all.
 /// throws  InputError if the folder does not exist, ResourceError if the write fails
 void write_png(const Image& linear, const std::filesystem::path& path);

@@ -33,7 +33,8 @@ struct Light {
     Vec3d colour = Vec3d(1, 1, 1);
     Shadow shadow = Shadow::None; // of one light at most
     double shadow_strength = 1;
-    double size_degrees = 3; // Shadow::Soft: the angle under which the light is seen
+    double size_degrees = 3;      // Shadow::Soft: the angle under which the light is seen
+    int shadow_map_pixels = 1024; // along the longer side of what the light sees
 };
 
 /// The shader arrays' size.
@@ -67,12 +68,14 @@ struct Environment {
 struct SolidTexture {
     double strength = 0;
     enum class Kind { Checker, Stripes, Marble, Wood, Volume } kind = Kind::Marble;
-    double scale_world = 0.25; // one period
-    Vec3d axis = Vec3d::UnitY();
+    std::optional<double> scale_world; // one period; else 1/12 of the field's diagonal
+    Vec3d origin_world = Vec3d::Zero();
+    Vec3d axis = Vec3d::UnitY(); // across stripes and marble's veins, along the trunk
     Vec3d colour_a = Vec3d(0.85, 0.82, 0.75);
     Vec3d colour_b = Vec3d(0.20, 0.13, 0.09);
-    std::shared_ptr<const FieldSource> volume; // Kind::Volume: 0 is colour_a, 1 colour_b
-    std::string volume_filter = "bspline";     // or "linear"
+    /// Kind::Volume: 0 is colour_a, 1 colour_b; it lies where its own grid says.
+    std::shared_ptr<const FieldSource> volume;
+    std::string volume_filter = "bspline"; // of its samples, as they are; or "linear"
 };
 
 enum class CurvatureMeasure { K1, K2, Mean, Gauss, ShapeIndex, Curvedness };
@@ -104,8 +107,9 @@ struct Accessibility {
 /// Ambient occlusion marched in the field.
 struct Occlusion {
     double strength = 0;
-    std::optional<double> distance_world; // how far occluders count; else 1/10 of the object
-    int rays = 16;
+    /// How far occluders count; else a tenth of the diagonal of the surface's box.
+    std::optional<double> distance_world;
+    int rays = 16; // of each pixel
 };
 
 /// Contours of even thickness [Kindlmann et al. 2003, section 4.1].
@@ -127,7 +131,9 @@ struct Ridges {
 /// gradient [Kindlmann et al. 2003, section 4.3].
 struct Uncertainty {
     double strength = 0;
-    std::optional<double> range; // of flow-line curvature [1/world] that is certain to be uncertain
+    std::optional<double> range; // flow-line curvature of full uncertainty [1/world]
+    /// Half of it is where weak gradients begin to count; else the picture's median.
+    std::optional<double> typical_gradient;
     Vec3d colour = Vec3d(0.8, 0.1, 0.1);
 };
 
@@ -154,8 +160,8 @@ struct Refraction {
 /// Sobel edges of depth and normals (thesis section 7.3.3).
 struct Outlines {
     double strength = 0;
-    double silhouette_threshold = 0.02; // of depth, relative to the object's size
-    double crease_threshold = 0.8;      // of normals
+    double silhouette_threshold = 0.02; // a step in depth, relative to the field's diagonal
+    double crease_threshold = 0.8;      // the length of a step in unit normals
     Vec3d colour = Vec3d::Zero();
 };
 

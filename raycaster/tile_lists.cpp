@@ -126,23 +126,47 @@ auto all_blocks(const BlockRanges& ranges, const std::vector<ActivePage>& active
     return seen;
 }
 
-} // namespace
-
-std::vector<Eigen::Vector4i> TileLists::runs() const {
+/// Runs of tiles that are not empty, of `width` x `height` tiles.
+template<class IsEmpty>
+std::vector<Eigen::Vector4i> runs_of(int width, int height, IsEmpty is_empty) {
     std::vector<Eigen::Vector4i> runs;
     for (int y = 0; y < height; ++y) {
-        const auto is_empty = [&](int x) {
-            return lists[static_cast<std::size_t>(x + width * y)][1] == 0;
-        };
         int x = 0;
         while (x < width) {
             const int first = x;
-            while (x < width && !is_empty(x)) ++x;
+            while (x < width && !is_empty(x, y)) ++x;
             if (x > first) runs.emplace_back(first, x, y, 0);
             ++x;
         }
     }
     return runs;
+}
+
+int tiles_along(int pixels) {
+    return (pixels + tile_pixels - 1) / tile_pixels;
+}
+
+} // namespace
+
+std::vector<Eigen::Vector4i> TileLists::runs() const {
+    return runs_of(width, height, [&](int x, int y) {
+        return lists[static_cast<std::size_t>(x + width * y)][1] == 0;
+    });
+}
+
+std::vector<Eigen::Vector4i> union_of_runs(std::span<const std::vector<Eigen::Vector4i>> runs,
+                                           int width, int height) {
+    const int columns = tiles_along(width);
+    const int rows = tiles_along(height);
+    std::vector<std::uint8_t> is_seen(static_cast<std::size_t>(columns) *
+                                      static_cast<std::size_t>(rows));
+    for (const std::vector<Eigen::Vector4i>& some : runs)
+        for (const Eigen::Vector4i& run : some)
+            std::fill_n(is_seen.begin() + run[0] + std::ptrdiff_t{columns} * run[2],
+                        run[1] - run[0], std::uint8_t{1});
+    return runs_of(columns, rows, [&](int x, int y) {
+        return is_seen[static_cast<std::size_t>(x + columns * y)] == 0;
+    });
 }
 
 TileLists list_blocks(const BlockRanges& ranges, const std::vector<ActivePage>& active,
@@ -157,8 +181,7 @@ TileLists list_blocks(const BlockRanges& ranges, const std::vector<ActivePage>& 
     std::ranges::sort(seen, {},
                       [](const SeenBlock& block) { return std::pair(block.order, block.number); });
 
-    TileLists tiles{
-        (width + tile_pixels - 1) / tile_pixels, (height + tile_pixels - 1) / tile_pixels, {}, {}};
+    TileLists tiles{tiles_along(width), tiles_along(height), {}, {}};
     tiles.lists.assign(static_cast<std::size_t>(tiles.width * tiles.height),
                        Eigen::Vector2i::Zero());
     const auto for_each_tile = [&](const TileBox& box, int y_lo, int y_hi, auto visit) {
@@ -192,8 +215,7 @@ TileLists list_blocks(const BlockRanges& ranges, const std::vector<ActivePage>& 
 
 std::vector<Eigen::Vector4i> whole_picture(int width, int height) {
     std::vector<Eigen::Vector4i> runs;
-    for (int y = 0; y * tile_pixels < height; ++y)
-        runs.emplace_back(0, (width + tile_pixels - 1) / tile_pixels, y, 0);
+    for (int y = 0; y * tile_pixels < height; ++y) runs.emplace_back(0, tiles_along(width), y, 0);
     return runs;
 }
 

@@ -6,6 +6,7 @@
 #include "filtering/blocks.h"
 #include "raycaster/camera.h"
 
+#include <span>
 #include <vector>
 
 namespace isocast {
@@ -30,6 +31,10 @@ struct TileLists {
 /// everywhere. Blocks are numbered in the order of `active`, within a page by place_in_page.
 TileLists list_blocks(const BlockRanges& ranges, const std::vector<ActivePage>& active,
                       const GridSpace& space, const Camera& camera, int width, int height);
+
+/// The runs of the tiles that any of several lists of runs hold.
+std::vector<Eigen::Vector4i> union_of_runs(std::span<const std::vector<Eigen::Vector4i>> runs,
+                                           int width, int height);
 
 /// The runs of all tiles of a picture, as TileLists::runs().
 std::vector<Eigen::Vector4i> whole_picture(int width, int height);

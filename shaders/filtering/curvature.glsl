@@ -1,4 +1,4 @@
-// Principal curvatures of the isosurface through a point, from the derivatives there.
+// Curvatures at a point of a field, from the derivatives there.
 // SPDX-License-Identifier: MPL-2.0
 // source  thesis eqs 6.5 - 6.7
 // twin    filtering/curvature.cpp
@@ -28,4 +28,23 @@ ShapeOperator shape_operator(vec3 gradient, mat3 hessian) {
 vec2 principal_curvatures(ShapeOperator s) {
     float root = length(vec2(s.uu - s.vv, 2.0 * s.uv));
     return 0.5 * vec2(s.uu + s.vv + root, s.uu + s.vv - root);
+}
+
+// Of the isosurface, in the direction of the tangential part of `direction`; 0 where that or the
+// gradient vanishes.
+float normal_curvature(vec3 gradient, mat3 hessian, vec3 direction) {
+    float length_g = length(gradient);
+    vec3 n = gradient / max(length_g, 1e-30);
+    vec3 t = direction - dot(direction, n) * n;
+    float tt = dot(t, t);
+    return length_g > 0.0 && tt > 0.0 ? dot(t, hessian * t) / (tt * length_g) : 0.0;
+}
+
+// Curvature of the line that runs along the gradient: |P H n| / |g|, P the projection to the
+// tangent plane; 0 where the gradient vanishes.
+float flow_line_curvature(vec3 gradient, mat3 hessian) {
+    float length_g = length(gradient);
+    vec3 n = gradient / max(length_g, 1e-30);
+    vec3 along = hessian * n;
+    return length(along - dot(along, n) * n) / max(length_g, 1e-30);
 }

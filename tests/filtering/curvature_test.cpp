@@ -78,6 +78,66 @@ TEST(Curvature, OfACylinderIsZeroAlongIt) {
     }
 }
 
+TEST(NormalCurvature, IsEulersMixOfThePrincipalOnes) {
+    Random random(8);
+    for (const std::string_view name : {"gyroid", "cube", "torus"}) {
+        const AnalyticField field = builtin_field(name);
+        for (int i = 0; i < 1000; ++i) {
+            const Jet jet = field.jet(test::random_point(random, -0.9, 0.9));
+            const Curvatures c = principal_curvatures(jet.gradient, jet.hessian);
+            const double angle = test::random_real(random, -3, 3);
+            const Vec3d tangent = std::cos(angle) * c.direction1 + std::sin(angle) * c.direction2;
+            // Of a direction, only the tangential part counts.
+            const Vec3d direction = test::random_real(random, 0.1, 10) * tangent +
+                                    test::random_real(random, -10, 10) * jet.gradient.normalized();
+            const double expected =
+                c.k1 * std::pow(std::cos(angle), 2) + c.k2 * std::pow(std::sin(angle), 2);
+            // 100: how much longer than its tangential part a direction may be.
+            EXPECT_NEAR(normal_curvature(jet.gradient, jet.hessian, direction), expected,
+                        100 * tolerance * std::max(1.0, std::abs(c.k1) + std::abs(c.k2)));
+        }
+    }
+    EXPECT_EQ(normal_curvature(Vec3d::UnitX(), Mat3d::Ones(), Vec3d::UnitX()), 0);
+    EXPECT_EQ(normal_curvature(Vec3d::Zero(), Mat3d::Ones(), Vec3d::UnitX()), 0);
+}
+
+TEST(FlowLineCurvature, IsHowFastTheNormalTurnsAlongIt) {
+    Random random(9);
+    for (const std::string_view name : {"gyroid", "cube", "saddle", "marschner-lobb"}) {
+        const AnalyticField field = builtin_field(name);
+        for (int i = 0; i < 1000; ++i) {
+            const Vec3d p = test::random_point(random, -0.9, 0.9);
+            const Jet jet = field.jet(p);
+            const double length = jet.gradient.norm();
+            if (length < 0.3) continue; // where lines may bend at any rate
+            constexpr double step = 1e-6;
+            const Vec3d n = jet.gradient / length;
+            const double turning = (field.jet(p + step * n).gradient.normalized() -
+                                    field.jet(p - step * n).gradient.normalized())
+                                       .norm() /
+                                   (2 * step);
+            // Lines turn by at most 400 per unit here, and differences err by (400 step)^2 of that;
+            // roundings by 2^-52/step.
+            EXPECT_NEAR(flow_line_curvature(jet.gradient, jet.hessian), turning,
+                        1e-6 * std::max(1.0, turning));
+        }
+    }
+    EXPECT_EQ(flow_line_curvature(Vec3d::Zero(), Mat3d::Ones()), 0);
+}
+
+TEST(FlowLineCurvature, IsZeroOfDistances) {
+    Random random(10);
+    for (const std::string_view name : {"sphere", "torus", "cylinder"}) {
+        const AnalyticField field = builtin_field(name);
+        for (int i = 0; i < 1000; ++i) {
+            const Jet jet = field.jet(test::random_point(random, -1.4, 1.4));
+            // The Hessian is at most 1/distance to where distances have no derivative.
+            EXPECT_LT(flow_line_curvature(jet.gradient, jet.hessian),
+                      tolerance * std::max(1.0, jet.hessian.norm()));
+        }
+    }
+}
+
 TEST(Curvature, OfASaddleIsOneAndMinusOne) {
     const Jet jet = builtin_field("saddle").jet(Vec3d::Zero());
     const Curvatures c = principal_curvatures(jet.gradient, jet.hessian);

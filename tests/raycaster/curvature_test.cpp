@@ -37,13 +37,16 @@ std::shared_ptr<const FieldSource> sampled_in(const GridSpace& space, const Anal
 struct CurvatureImages : testing::Test {
     std::unique_ptr<gl::Context> context = gl::make_context({.backend = gl::Backend::Osmesa});
     Renderer renderer{*context, shader_folder};
+    ImageSet also_wanted;
     Image hits;
     Image curvatures; // or directions
 
     FrameReport draw(const Scene& scene, const Camera& camera,
                      FrameImage image = FrameImage::Curvature) {
         renderer.load(scene);
-        const FrameReport report = renderer.draw(camera, 64, 64, {FrameImage::Hit, image});
+        ImageSet all{FrameImage::Hit, image};
+        all.insert(also_wanted);
+        const FrameReport report = renderer.draw(camera, 64, 64, all);
         hits = renderer.read(FrameImage::Hit);
         curvatures = renderer.read(image);
         return report;
@@ -69,10 +72,13 @@ const AnalyticField torus = torus_field(Vec3d(19.6, 20.1, 19.3), {0.3, 1, 0.5}, 
 const Camera torus_camera{.eye_world = {60, 50, 110}, .target_world = {20, 20, 20}};
 
 TEST_F(CurvatureImages, AreTheTwins) {
+    also_wanted.insert({FrameImage::ViewCurvature, FrameImage::FlowLineCurvature});
     const auto field = sampled_in(GridSpace::uniform(1), torus);
     for (const Filter filter : {Filter::Interpolating, Filter::BSpline, Filter::CatmullRom}) {
         for (const Fetch fetch : {Fetch::Rows, Fetch::Samples}) {
             draw({.field = field, .filter = filter, .storage = {.fetch = fetch}}, torus_camera);
+            const Image view_curvatures = renderer.read(FrameImage::ViewCurvature);
+            const Image flow_line_curvatures = renderer.read(FrameImage::FlowLineCurvature);
             const auto control = control_samples(field, filter);
             double worst = 0;
             const int count = for_each_hit(torus_camera, [&](const Vec3d& p, const float* k) {
@@ -85,6 +91,13 @@ TEST_F(CurvatureImages, AreTheTwins) {
                 const Curvatures c = principal_curvatures(jet.gradient, jet.hessian);
                 worst = std::max({worst, std::abs(k[0] - c.k1), std::abs(k[1] - c.k2)});
                 EXPECT_EQ(k[3], 1);
+                const auto pixel = static_cast<std::size_t>(k - curvatures.rgba.data());
+                const double view = view_curvatures.rgba[pixel];
+                const double flow = flow_line_curvatures.rgba[pixel];
+                worst = std::max({worst,
+                                  std::abs(view - normal_curvature(jet.gradient, jet.hessian,
+                                                                   p - torus_camera.eye_world)),
+                                  std::abs(flow - flow_line_curvature(jet.gradient, jet.hessian))});
             });
             EXPECT_GT(count, 500);
             // Samples that a hit reads are at most 5 in size; 32 roundings of sums whose |weights|
@@ -246,13 +259,44 @@ TEST_F(CurvatureImages, AreFiniteOnNoise) {
 }
 
 TEST_F(CurvatureImages, AreTheSameHoweverFewBricksFit) {
+    also_wanted.insert({FrameImage::ViewCurvature, FrameImage::FlowLineCurvature});
     const auto field = sampled_in(GridSpace::uniform(1), torus);
     draw({.field = field}, torus_camera);
     const Image all = curvatures;
+    const Image view = renderer.read(FrameImage::ViewCurvature);
+    const Image flow = renderer.read(FrameImage::FlowLineCurvature);
     draw({.field = field,
           .storage = {.budget_bytes = 5 * BrickLayout(StorageOptions{}).brick_bytes}},
          torus_camera);
     EXPECT_EQ(curvatures.rgba, all.rgba);
+    EXPECT_EQ(renderer.read(FrameImage::ViewCurvature).rgba, view.rgba);
+    EXPECT_EQ(renderer.read(FrameImage::FlowLineCurvature).rgba, flow.rgba);
+}
+
+TEST_F(CurvatureImages, AreTheSameInAnyCompany) {
+    const std::array images{FrameImage::Curvature, FrameImage::ViewCurvature,
+                            FrameImage::FlowLineCurvature};
+    renderer.load({.field = sampled_in(GridSpace::uniform(1), torus)});
+    std::array<Image, 3> alone;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const FrameReport report = renderer.draw(torus_camera, 64, 64, {images[i]});
+        alone[i] = renderer.read(images[i]);
+        // Hits, and two principal curvatures or one.
+        EXPECT_EQ(report.image_bytes, 64 * 64 * (16 + (i == 0 ? 16 : 4)));
+    }
+    for (std::size_t without = 0; without < 4; ++without) {
+        ImageSet some;
+        for (std::size_t i = 0; i < 3; ++i)
+            if (i != without) some.insert(images[i]);
+        const FrameReport report = renderer.draw(torus_camera, 64, 64, some);
+        int drawn = 0;
+        for (std::size_t i = 0; i < 3; ++i)
+            if (i != without) {
+                EXPECT_EQ(renderer.read(images[i]).rgba, alone[i].rgba);
+            }
+        for (const PassReport& pass : report.passes) drawn += pass.ran && pass.drawn_by.empty();
+        EXPECT_EQ(drawn, 2); // hits, and all that follows from the Hessian
+    }
 }
 
 TEST_F(CurvatureImages, AloneRunNoOtherPass) {

@@ -14,13 +14,14 @@ struct Declared {
     gl::ShaderLibrary shaders{{std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders"}};
     gl::VertexArray no_vertices;
     Scene scene;
+    FieldObject object;
     FieldOnGpu field;
     PlacesOnGpu places;
     Camera camera;
     FrameTargets targets;
     LookTextures look_textures;
-    FrameContext frame{shaders, no_vertices, scene, field, field,   field,
-                       places,  camera,      1,     1,     targets, look_textures};
+    FrameContext frame{shaders, no_vertices, scene, object, field,   field,        field,
+                       places,  camera,      1,     1,      targets, look_textures};
     std::vector<Pass> passes = declare_passes(frame);
 };
 

@@ -88,6 +88,21 @@ TEST_F(RidgeLines, OfASphereAreNone) {
     EXPECT_GT(for_each_hit([&](const Vec3d&, const float* pixel) { EXPECT_EQ(pixel[3], 0); }), 500);
 }
 
+TEST_F(RidgeLines, OfAPlaneAreNone) {
+    const AnalyticField plane{
+        "plane", [](const Vec3d& p) { return Jet{.value = Vec3d(1, 2, 3).normalized().dot(p)}; },
+        1};
+    draw({.field = sampled(plane, 32)}, FrameImage::Ridges);
+    int inside = 0;
+    for_each_hit([&](const Vec3d& p, const float* pixel) {
+        // Where samples end, the spline bends: within 3 of them.
+        if (p.cwiseAbs().maxCoeff() > 1 - 6.0 / 31) return;
+        ++inside;
+        EXPECT_EQ(pixel[3], 0);
+    });
+    EXPECT_GT(inside, 500);
+}
+
 TEST_F(RidgeLines, HaveAThresholdOfTheFirstPictureThatIsKept) {
     Scene scene{.field = sampled(builtin_field("cube"), 48)};
     scene.look.effects.ridges.strength = 1;

@@ -21,6 +21,7 @@ void main() {
     float turning = texelFetch(t_flow_line_curvature, pixel, 0).x / u_range;
     // Another iso value moves the surface by 1/|g|: from twice as far as is typical of it.
     float length_g = length(texelFetch(t_gradient, pixel, 0).xyz);
-    float moving = 1.0 - 2.0 * length_g / u_typical_gradient;
+    // 1e-30: no division by zero where most gradients vanish.
+    float moving = 1.0 - 2.0 * length_g / max(u_typical_gradient, 1e-30);
     o_uncertainty = vec4(u_colour, clamp(max(turning, moving), 0.0, 1.0));
 }

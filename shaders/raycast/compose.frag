@@ -10,8 +10,9 @@ layout(binding = 6) uniform sampler2D t_pending;        // objects to be searche
 uniform int u_inside[(1 << OBJECTS) + 31 >> 5]; // for each set of objects whether it is inside
 uniform float u_tie; // roots are at one place if they are no farther apart [world]
 
-// Of objects that have pixels to be searched, 1.
-layout(std430, binding = 0) buffer Waiting { uint is_waiting[]; };
+// For each tile of 4 x 4 pixels the objects that some of its pixels wait for, by bits.
+layout(std430, binding = 0) buffer Waiting { uint waiting[]; };
+uniform int u_tile_columns;
 
 layout(location = 0) out vec4 o_hit; // eye-relative position [world], object (0: none)
 layout(location = 1) out float o_pending;
@@ -70,11 +71,11 @@ void main() {
     int pending = is_open && !is_hit && can_change ? passed : 0;
 
     o_hit = vec4(0.0);
-    for (int i = 0; i < OBJECTS; ++i) {
+    for (int i = 0; i < OBJECTS; ++i)
         if (is_hit && i == owner)
             o_hit = vec4(texelFetch(t_roots[i], pixel, 0).xyz, is_taken_away ? -i - 1 : i + 1);
-        if ((pending >> i & 1) != 0) is_waiting[i] = 1u;
-    }
+    if (pending != 0)
+        atomicOr(waiting[(pixel.x >> 2) + u_tile_columns * (pixel.y >> 2)], uint(pending));
     o_pending = float(pending);
     if (!is_open) discard;
 }

@@ -89,8 +89,13 @@ void main() {
     // theirs.
     vec3 in_table = clamp(start, u_table_lo,
                           u_table_lo + block_size * vec3(page_blocks * u_table_pages));
-    float seen = field_value(in_table, (word & word_inside) != 0u ? -1.0 : 1.0);
     bool is_in_extent = range.x < range.y;
+    float seen = side == 0.0 ? 1.0 : side;
+    bool is_unknown = is_in_extent && side == 0.0;
+    while (is_unknown) { // a loop for a condition: see derivatives.frag
+        seen = field_value(in_table, seen);
+        is_unknown = seen > no_root; // never
+    }
     bool has_side = seen < 0.0 && is_in_extent;
     side = last != 0.0 ? -sign(last) : has_side ? -1.0 : 1.0;
     bool is_root_at_start = is_in_extent && (seen < 0.0) != (side < 0.0);

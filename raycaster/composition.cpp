@@ -17,7 +17,7 @@ namespace isocast {
 namespace {
 
 constexpr unsigned first_root_unit = 8;   // of compose.frag
-constexpr double tolerance_voxels = 1e-5; // of raycast/march.glsl
+constexpr float tolerance_voxels = 1e-5F; // of raycast/march.glsl
 
 gl::ProgramKey compose_program(int object_count) {
     return {{"common/tiles.vert", "raycast/compose.frag"},
@@ -48,11 +48,9 @@ Depths depths_of(const FrameContext& frame) {
     return {near, farthest - near};
 }
 
-/// Of a distance of roots, as it is written and read [world]: a root is located to the tolerance;
-/// four roundings of at most 2^-24 of the distance each, and as many of the place in the object.
-double root_error(const FrameObject& object, const Depths& depths) {
-    const double world_from_voxel = object.object.field->space().world_from_index.linear().norm();
-    return tolerance_voxels * world_from_voxel + 0x1p-21 * depths.reach_world;
+/// Of a root's distance by rounding, as it is written, read and added to: eight times 2^-24 of it.
+double rounding_of(const Depths& depths) {
+    return 0x1p-21 * depths.reach_world;
 }
 
 /// The next roots of an object where rays wait for them.
@@ -65,10 +63,8 @@ void search(const FrameContext& frame, int number, const Depths& depths, const g
     program.set("u_operand", number);
     program.set("u_near_share", static_cast<float>(1 - depths.near_world / ray.depth_world));
     // Behind the last root for sure; root pairs that are closer are below the guarantee.
-    const double voxels_from_world =
-        object.object.field->space().world_from_index.linear().inverse().norm();
     program.set("u_restart",
-                static_cast<float>(2 * root_error(object, depths) * voxels_from_world));
+                Eigen::Vector2f(2 * tolerance_voxels, 2 * static_cast<float>(rounding_of(depths))));
     root.bind_to_unit(5);
     target.bind();
     glTextureBarrier();
@@ -112,9 +108,6 @@ void run_composition(FrameContext& frame) {
     glClearBufferfv(GL_COLOR, 1, all_pending.data());
 
     const InsideTable table = inside_table(tree_of(frame.scene), count);
-    double tie = 0;
-    for (const FrameObject& object : frame.objects)
-        tie = std::max(tie, 2 * root_error(object, depths));
     const auto tile_count =
         static_cast<std::size_t>(tiles_along(frame.width) * tiles_along(frame.height));
     gl::ReadbackBuffer waiting_on_gpu(std::int64_t{4} * static_cast<std::int64_t>(tile_count),
@@ -139,13 +132,18 @@ void run_composition(FrameContext& frame) {
         ++rounds;
 
         const gl::Program& program = frame.shaders.program(compose_program(count));
-        for (int i = 0; i < count; ++i)
-            roots[static_cast<std::size_t>(i)].bind_to_unit(first_root_unit +
-                                                            static_cast<unsigned>(i));
+        for (int i = 0; i < count; ++i) {
+            const auto k = static_cast<std::size_t>(i);
+            roots[k].bind_to_unit(first_root_unit + static_cast<unsigned>(i));
+            const double world_from_voxel =
+                frame.objects[k].object.field->space().world_from_index.linear().norm();
+            program.set(
+                fmt::format("u_errors[{}]", i).c_str(),
+                static_cast<float>(tolerance_voxels * world_from_voxel + rounding_of(depths)));
+        }
         for (int word = 0; word < std::max(1, (1 << count) / 32); ++word)
             program.set(fmt::format("u_inside[{}]", word).c_str(),
                         static_cast<int>(table.words[static_cast<std::size_t>(word)]));
-        program.set("u_tie", static_cast<float>(tie));
         program.set("u_tile_columns", tiles_along(frame.width));
         waiting_on_gpu.clear();
         waiting_on_gpu.bind_to_storage(0);

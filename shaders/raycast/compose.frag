@@ -8,7 +8,7 @@
 layout(binding = 8) uniform sampler2D t_roots[OBJECTS]; // raycast.frag: o_hit with IS_OPERAND
 layout(binding = 6) uniform sampler2D t_pending;        // objects to be searched on, by bits
 uniform int u_inside[(1 << OBJECTS) + 31 >> 5]; // for each set of objects whether it is inside
-uniform float u_tie; // roots are at one place if they are no farther apart [world]
+uniform float u_errors[OBJECTS]; // of distances; roots may be at one place if these overlap [world]
 
 // For each tile of 4 x 4 pixels the objects that some of its pixels wait for, by bits.
 layout(std430, binding = 0) buffer Waiting { uint waiting[]; };
@@ -27,6 +27,7 @@ void main() {
     bool is_open = texelFetch(t_pending, pixel, 0).r != 0.0;
     float distances[OBJECTS];
     float first = no_root;
+    float first_end = no_root; // with its error
     int set = 0;    // of objects that the ray is in before the roots
     int coming = 0; // of those that have roots
     for (int i = 0; i < OBJECTS; ++i) {
@@ -34,6 +35,7 @@ void main() {
         distances[i] = abs(w);
         set |= w < 0.0 ? 1 << i : 0;
         coming |= distances[i] < no_root ? 1 << i : 0;
+        first_end = distances[i] < first ? distances[i] + u_errors[i] : first_end;
         first = min(first, distances[i]);
     }
     // What is passed at the nearest root, one object after the other, the nearest first: at a place
@@ -45,9 +47,10 @@ void main() {
     int passed = 0;
     for (int i = 0; i < OBJECTS; ++i) {
         int next = -1;
-        float nearest = min(first + u_tie, 0.5 * no_root);
+        float nearest = no_root;
         for (int k = 0; k < OBJECTS; ++k) {
-            bool is_nearer = (passed >> k & 1) == 0 && distances[k] < nearest;
+            bool is_nearer = (passed >> k & 1) == 0 && distances[k] < nearest &&
+                             distances[k] - u_errors[k] <= first_end;
             next = is_nearer ? k : next;
             nearest = is_nearer ? distances[k] : nearest;
         }

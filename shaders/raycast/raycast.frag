@@ -41,8 +41,8 @@ uniform vec3 u_extent_hi;
 layout(binding = 5) uniform sampler2D t_root;    // that root; 0 before the first search
 layout(binding = 6) uniform sampler2D t_pending; // whether to search, by bits
 uniform int u_operand;
-uniform float u_near_share; // of the way from the ray's start to `point`, from where distances count
-uniform float u_restart;    // how far behind a root the search goes on [voxels]
+uniform float u_near_share; // of the way from `point` back to the ray's start, where distances count from
+uniform vec2 u_restart;     // how far behind a root the search goes on [voxels] [world]
 const float no_root = 1e30;
 #endif
 
@@ -74,7 +74,8 @@ void main() {
     float last = texelFetch(t_root, pixel, 0).w;
     float world_from_t = length(u_world_from_index * d);
     float t_near = u_near_share * ray.t_start;
-    if (last != 0.0) range.x = max(range.x, abs(last) / world_from_t + t_near + u_restart);
+    if (last != 0.0)
+        range.x = max(range.x, (abs(last) + u_restart.y) / world_from_t + t_near + u_restart.x);
     range.y = is_pending ? range.y : range.x;
 #endif
 

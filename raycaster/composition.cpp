@@ -17,7 +17,7 @@ namespace isocast {
 namespace {
 
 constexpr unsigned first_root_unit = 8;   // of compose.frag
-constexpr double tolerance_voxels = 1e-5; // of raycast/march.glsl
+constexpr float tolerance_voxels = 1e-5F; // of raycast/march.glsl
 
 gl::ProgramKey compose_program(int object_count) {
     return {{"common/tiles.vert", "raycast/compose.frag"},
@@ -48,16 +48,14 @@ Depths depths_of(const FrameContext& frame) {
     return {near, farthest - near};
 }
 
-/// Of a distance of roots, as it is written and read [world]: a root is located to the tolerance;
-/// four roundings of at most 2^-24 of the distance each, and as many of the place in the object.
-double root_error(const FrameObject& object, const Depths& depths) {
-    const double world_from_voxel = object.object.field->space().world_from_index.linear().norm();
-    return tolerance_voxels * world_from_voxel + 0x1p-21 * depths.reach_world;
+/// Of a root's distance by rounding, as it is written, read and added to: eight times 2^-24 of it.
+double rounding_of(const Depths& depths) {
+    return 0x1p-21 * depths.reach_world;
 }
 
-/// The roots of an object where rays wait for them.
-void search(FrameContext& frame, int number, const Depths& depths, bool is_first,
-            const gl::Texture& root, const gl::Framebuffer& target) {
+/// The next roots of an object where rays wait for them.
+void search(const FrameContext& frame, int number, const Depths& depths, const gl::Texture& root,
+            const gl::Framebuffer& target, const PlacesOnGpu& places) {
     const FrameObject& object = frame.objects[static_cast<std::size_t>(number)];
     const FrameContext of_this = of_object(frame, object);
     const gl::Program& program = frame.shaders.program(operand_program(of_this));
@@ -65,21 +63,28 @@ void search(FrameContext& frame, int number, const Depths& depths, bool is_first
     program.set("u_operand", number);
     program.set("u_near_share", static_cast<float>(1 - depths.near_world / ray.depth_world));
     // Behind the last root for sure; root pairs that are closer are below the guarantee.
-    const double voxels_from_world =
-        object.object.field->space().world_from_index.linear().inverse().norm();
     program.set("u_restart",
-                static_cast<float>(2 * root_error(object, depths) * voxels_from_world));
+                Eigen::Vector2f(2 * tolerance_voxels, 2 * static_cast<float>(rounding_of(depths))));
     root.bind_to_unit(5);
     target.bind();
     glTextureBarrier();
-    // On which side a ray is must be known where it meets no block of the object, too.
-    draw_on_tiles(is_first ? frame : of_this, program);
+    draw_on_tiles(of_this, program, places);
+}
+
+PlacesOnGpu tiles_of(const FrameContext& frame, std::span<const std::uint32_t> waiting,
+                     std::uint32_t objects) {
+    PlacesOnGpu places;
+    places.set_runs(runs_of_tiles(frame.width, frame.height, [&](std::size_t tile) {
+        return (waiting[tile] & objects) != 0;
+    }));
+    return places;
 }
 
 } // namespace
 
 void run_composition(FrameContext& frame) {
     const int count = static_cast<int>(frame.objects.size());
+    const std::uint32_t all = (1U << count) - 1;
     const Depths depths = depths_of(frame);
     std::vector<gl::Texture> roots;
     std::vector<gl::Framebuffer> root_targets;
@@ -99,48 +104,56 @@ void run_composition(FrameContext& frame) {
                                           "hit and pending objects");
     hit_and_pending.bind();
     glClearBufferfv(GL_COLOR, 0, zero.data());
-    const auto all = static_cast<float>((1 << count) - 1);
-    const std::array<float, 4> all_pending{all, 0, 0, 0};
+    const Eigen::Vector4f all_pending(static_cast<float>(all), 0, 0, 0);
     glClearBufferfv(GL_COLOR, 1, all_pending.data());
 
     const InsideTable table = inside_table(tree_of(frame.scene), count);
-    double tie = 0;
-    for (const FrameObject& object : frame.objects)
-        tie = std::max(tie, 2 * root_error(object, depths));
-    gl::ReadbackBuffer waiting(std::int64_t{4} * max_object_count, "objects with waiting rays");
-    std::vector<int> to_search(static_cast<std::size_t>(count));
-    for (int i = 0; i < count; ++i) to_search[static_cast<std::size_t>(i)] = i;
+    const auto tile_count =
+        static_cast<std::size_t>(tiles_along(frame.width) * tiles_along(frame.height));
+    gl::ReadbackBuffer waiting_on_gpu(std::int64_t{4} * static_cast<std::int64_t>(tile_count),
+                                      "objects that tiles wait for");
+    // At first for all objects where there is one: on which side of the others a ray is must be
+    // known, too.
+    std::vector<std::uint32_t> waiting(tile_count);
+    for (const Eigen::Vector4i& run : frame.places.tile_runs)
+        std::fill_n(waiting.begin() + run[0] + std::ptrdiff_t{tiles_along(frame.width)} * run[2],
+                    run[1] - run[0], all);
     int rounds = 0;
     int searches = 0;
-    while (!to_search.empty()) {
+    do {
         pending.bind_to_unit(6);
-        for (const int i : to_search)
-            search(frame, i, depths, rounds == 0, roots[static_cast<std::size_t>(i)],
-                   root_targets[static_cast<std::size_t>(i)]);
+        for (int i = 0; i < count; ++i) {
+            const PlacesOnGpu tiles = tiles_of(frame, waiting, 1U << i);
+            if (tiles.run_count == 0) continue;
+            const auto k = static_cast<std::size_t>(i);
+            search(frame, i, depths, roots[k], root_targets[k], tiles);
+            ++searches;
+        }
         ++rounds;
-        searches += static_cast<int>(to_search.size());
 
         const gl::Program& program = frame.shaders.program(compose_program(count));
-        for (int i = 0; i < count; ++i)
-            roots[static_cast<std::size_t>(i)].bind_to_unit(first_root_unit +
-                                                            static_cast<unsigned>(i));
+        for (int i = 0; i < count; ++i) {
+            const auto k = static_cast<std::size_t>(i);
+            roots[k].bind_to_unit(first_root_unit + static_cast<unsigned>(i));
+            const double world_from_voxel =
+                frame.objects[k].object.field->space().world_from_index.linear().norm();
+            program.set(
+                fmt::format("u_errors[{}]", i).c_str(),
+                static_cast<float>(tolerance_voxels * world_from_voxel + rounding_of(depths)));
+        }
         for (int word = 0; word < std::max(1, (1 << count) / 32); ++word)
             program.set(fmt::format("u_inside[{}]", word).c_str(),
                         static_cast<int>(table.words[static_cast<std::size_t>(word)]));
-        program.set("u_tie", static_cast<float>(tie));
-        waiting.clear();
-        waiting.bind_to_storage(0);
+        program.set("u_tile_columns", tiles_along(frame.width));
+        waiting_on_gpu.clear();
+        waiting_on_gpu.bind_to_storage(0);
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
         hit_and_pending.bind();
         glTextureBarrier();
-        draw_on_tiles(frame, program);
+        draw_on_tiles(frame, program, tiles_of(frame, waiting, all));
         gl::Fence::after_all_commands().wait();
-        std::array<std::uint32_t, max_object_count> is_waiting{};
-        std::memcpy(is_waiting.data(), waiting.data(), sizeof(is_waiting));
-        to_search.clear();
-        for (int i = 0; i < count; ++i)
-            if (is_waiting[static_cast<std::size_t>(i)] != 0) to_search.push_back(i);
-    }
+        std::memcpy(waiting.data(), waiting_on_gpu.data(), 4 * tile_count);
+    } while (std::ranges::any_of(waiting, [](std::uint32_t objects) { return objects != 0; }));
     frame.notes.push_back(
         fmt::format("composition: {} objects, {} rounds, {} searches", count, rounds, searches));
 }

@@ -18,7 +18,7 @@ namespace isocast {
 ///     its next root: position,              one each   the nearest root; does the ray
 ///     ± distance                                       enter the solid there, or leave it?
 ///
-/// An object of which no ray waits for a root is not drawn again.
+/// An object is drawn again on the tiles of the picture alone in which rays wait for its next root.
 ///
 /// source  the thesis evaluates the composed function at samples of the ray; roots of exact
 ///         operands make the crease exact and keep each operand's certificate

@@ -115,7 +115,12 @@ FrameContext of_object(const FrameContext& frame, const FrameObject& object) {
 }
 
 void draw_on_tiles(const FrameContext& frame, const gl::Program& program) {
-    draw_runs(frame, program, frame.places.runs, frame.places.run_count);
+    draw_on_tiles(frame, program, frame.places);
+}
+
+void draw_on_tiles(const FrameContext& frame, const gl::Program& program,
+                   const PlacesOnGpu& tiles) {
+    draw_runs(frame, program, tiles.runs, tiles.run_count);
 }
 
 void draw_tiles(const FrameContext& frame, FrameImage image, const gl::Program& program,

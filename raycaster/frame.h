@@ -104,6 +104,8 @@ Vec3d direction_world(const Light& light, const Camera& viewer);
 void set_fixed_state();
 /// Runs the program on every pixel that can show something, into the bound framebuffer.
 void draw_on_tiles(const FrameContext& frame, const gl::Program& program);
+/// The same on tiles of one's own.
+void draw_on_tiles(const FrameContext& frame, const gl::Program& program, const PlacesOnGpu& tiles);
 /// The same into an image whose other pixels become `empty`.
 void draw_tiles(const FrameContext& frame, FrameImage image, const gl::Program& program,
                 const Eigen::Vector4f& empty);

@@ -68,8 +68,10 @@ struct Scene {
     /// Instead of `field`: max_object_count at most. Rays search each by certified steps through
     /// lists of blocks, whose bricks all fit; composed roots are roots of objects, so that what a
     /// ray may miss is a stretch inside an object, or outside it, that is shorter than the
-    /// guarantee in that object's voxels. Beyond the extent of a field without a band a ray stays
-    /// on the side on which it enters or leaves the extent, and is outside if it misses the extent.
+    /// guarantee in that object's voxels, or one between roots of two objects that lie no farther
+    /// apart than 1e-5 of a voxel of each and rounding. Beyond the extent of a field without a band
+    /// a ray stays on the side on which it enters or leaves the extent, and is outside if it misses
+    /// the extent.
     std::vector<FieldObject> objects = {};
     CsgTree tree = {}; // of `objects`; empty: their union
 };

@@ -126,15 +126,20 @@ auto all_blocks(const BlockRanges& ranges, const std::vector<ActivePage>& active
     return seen;
 }
 
-/// Runs of tiles that are not empty, of `width` x `height` tiles.
-template<class IsEmpty>
-std::vector<Eigen::Vector4i> runs_of(int width, int height, IsEmpty is_empty) {
+} // namespace
+
+std::vector<Eigen::Vector4i> runs_of_tiles(int width, int height,
+                                           const std::function<bool(std::size_t)>& is_seen) {
     std::vector<Eigen::Vector4i> runs;
-    for (int y = 0; y < height; ++y) {
+    const int columns = tiles_along(width);
+    for (int y = 0; y < tiles_along(height); ++y) {
+        const auto is_empty = [&](int x) {
+            return !is_seen(static_cast<std::size_t>(x + columns * y));
+        };
         int x = 0;
-        while (x < width) {
+        while (x < columns) {
             const int first = x;
-            while (x < width && !is_empty(x, y)) ++x;
+            while (x < columns && !is_empty(x)) ++x;
             if (x > first) runs.emplace_back(first, x, y, 0);
             ++x;
         }
@@ -142,31 +147,20 @@ std::vector<Eigen::Vector4i> runs_of(int width, int height, IsEmpty is_empty) {
     return runs;
 }
 
-int tiles_along(int pixels) {
-    return (pixels + tile_pixels - 1) / tile_pixels;
-}
-
-} // namespace
-
 std::vector<Eigen::Vector4i> TileLists::runs() const {
-    return runs_of(width, height, [&](int x, int y) {
-        return lists[static_cast<std::size_t>(x + width * y)][1] == 0;
-    });
+    return runs_of_tiles(tile_pixels * width, tile_pixels * height,
+                         [&](std::size_t tile) { return lists[tile][1] != 0; });
 }
 
 std::vector<Eigen::Vector4i> union_of_runs(std::span<const std::vector<Eigen::Vector4i>> runs,
                                            int width, int height) {
     const int columns = tiles_along(width);
-    const int rows = tiles_along(height);
-    std::vector<std::uint8_t> is_seen(static_cast<std::size_t>(columns) *
-                                      static_cast<std::size_t>(rows));
+    std::vector<std::uint8_t> is_seen(static_cast<std::size_t>(columns * tiles_along(height)));
     for (const std::vector<Eigen::Vector4i>& some : runs)
         for (const Eigen::Vector4i& run : some)
             std::fill_n(is_seen.begin() + run[0] + std::ptrdiff_t{columns} * run[2],
                         run[1] - run[0], std::uint8_t{1});
-    return runs_of(columns, rows, [&](int x, int y) {
-        return is_seen[static_cast<std::size_t>(x + columns * y)] == 0;
-    });
+    return runs_of_tiles(width, height, [&](std::size_t tile) { return is_seen[tile] != 0; });
 }
 
 TileLists list_blocks(const BlockRanges& ranges, const std::vector<ActivePage>& active,

@@ -6,6 +6,7 @@
 #include "filtering/blocks.h"
 #include "raycaster/camera.h"
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -31,6 +32,15 @@ struct TileLists {
 /// everywhere. Blocks are numbered in the order of `active`, within a page by place_in_page.
 TileLists list_blocks(const BlockRanges& ranges, const std::vector<ActivePage>& active,
                       const GridSpace& space, const Camera& camera, int width, int height);
+
+inline int tiles_along(int pixels) {
+    return (pixels + tile_pixels - 1) / tile_pixels;
+}
+
+/// The tiles of a picture, numbered along x first, of which `is_seen(number)` holds, in runs as
+/// TileLists::runs().
+std::vector<Eigen::Vector4i> runs_of_tiles(int width, int height,
+                                           const std::function<bool(std::size_t)>& is_seen);
 
 /// The runs of the tiles that any of several lists of runs hold.
 std::vector<Eigen::Vector4i> union_of_runs(std::span<const std::vector<Eigen::Vector4i>> runs,

@@ -8,10 +8,11 @@
 layout(binding = 8) uniform sampler2D t_roots[OBJECTS]; // raycast.frag: o_hit with IS_OPERAND
 layout(binding = 6) uniform sampler2D t_pending;        // objects to be searched on, by bits
 uniform int u_inside[(1 << OBJECTS) + 31 >> 5]; // for each set of objects whether it is inside
-uniform float u_tie; // roots are at one place if they are no farther apart [world]
+uniform float u_errors[OBJECTS]; // of distances; roots may be at one place if these overlap [world]
 
-// Of objects that have pixels to be searched, 1.
-layout(std430, binding = 0) buffer Waiting { uint is_waiting[]; };
+// For each tile of 4 x 4 pixels the objects that some of its pixels wait for, by bits.
+layout(std430, binding = 0) buffer Waiting { uint waiting[]; };
+uniform int u_tile_columns;
 
 layout(location = 0) out vec4 o_hit; // eye-relative position [world], object (0: none)
 layout(location = 1) out float o_pending;
@@ -26,6 +27,7 @@ void main() {
     bool is_open = texelFetch(t_pending, pixel, 0).r != 0.0;
     float distances[OBJECTS];
     float first = no_root;
+    float first_end = no_root; // with its error
     int set = 0;    // of objects that the ray is in before the roots
     int coming = 0; // of those that have roots
     for (int i = 0; i < OBJECTS; ++i) {
@@ -33,6 +35,7 @@ void main() {
         distances[i] = abs(w);
         set |= w < 0.0 ? 1 << i : 0;
         coming |= distances[i] < no_root ? 1 << i : 0;
+        first_end = distances[i] < first ? distances[i] + u_errors[i] : first_end;
         first = min(first, distances[i]);
     }
     // What is passed at the nearest root, one object after the other, the nearest first: at a place
@@ -44,9 +47,10 @@ void main() {
     int passed = 0;
     for (int i = 0; i < OBJECTS; ++i) {
         int next = -1;
-        float nearest = min(first + u_tie, 0.5 * no_root);
+        float nearest = no_root;
         for (int k = 0; k < OBJECTS; ++k) {
-            bool is_nearer = (passed >> k & 1) == 0 && distances[k] < nearest;
+            bool is_nearer = (passed >> k & 1) == 0 && distances[k] < nearest &&
+                             distances[k] - u_errors[k] <= first_end;
             next = is_nearer ? k : next;
             nearest = is_nearer ? distances[k] : nearest;
         }
@@ -70,11 +74,11 @@ void main() {
     int pending = is_open && !is_hit && can_change ? passed : 0;
 
     o_hit = vec4(0.0);
-    for (int i = 0; i < OBJECTS; ++i) {
+    for (int i = 0; i < OBJECTS; ++i)
         if (is_hit && i == owner)
             o_hit = vec4(texelFetch(t_roots[i], pixel, 0).xyz, is_taken_away ? -i - 1 : i + 1);
-        if ((pending >> i & 1) != 0) is_waiting[i] = 1u;
-    }
+    if (pending != 0)
+        atomicOr(waiting[(pixel.x >> 2) + u_tile_columns * (pixel.y >> 2)], uint(pending));
     o_pending = float(pending);
     if (!is_open) discard;
 }

@@ -41,8 +41,8 @@ uniform vec3 u_extent_hi;
 layout(binding = 5) uniform sampler2D t_root;    // that root; 0 before the first search
 layout(binding = 6) uniform sampler2D t_pending; // whether to search, by bits
 uniform int u_operand;
-uniform float u_near_share; // of the way from the ray's start to `point`, from where distances count
-uniform float u_restart;    // how far behind a root the search goes on [voxels]
+uniform float u_near_share; // of the way from `point` back to the ray's start, where distances count from
+uniform vec2 u_restart;     // how far behind a root the search goes on [voxels] [world]
 const float no_root = 1e30;
 #endif
 
@@ -74,7 +74,8 @@ void main() {
     float last = texelFetch(t_root, pixel, 0).w;
     float world_from_t = length(u_world_from_index * d);
     float t_near = u_near_share * ray.t_start;
-    if (last != 0.0) range.x = max(range.x, abs(last) / world_from_t + t_near + u_restart);
+    if (last != 0.0)
+        range.x = max(range.x, (abs(last) + u_restart.y) / world_from_t + t_near + u_restart.x);
     range.y = is_pending ? range.y : range.x;
 #endif
 
@@ -89,8 +90,13 @@ void main() {
     // theirs.
     vec3 in_table = clamp(start, u_table_lo,
                           u_table_lo + block_size * vec3(page_blocks * u_table_pages));
-    float seen = field_value(in_table, (word & word_inside) != 0u ? -1.0 : 1.0);
     bool is_in_extent = range.x < range.y;
+    float seen = side == 0.0 ? 1.0 : side;
+    bool is_unknown = is_in_extent && side == 0.0;
+    while (is_unknown) { // a loop for a condition: see derivatives.frag
+        seen = field_value(in_table, seen);
+        is_unknown = seen > no_root; // never
+    }
     bool has_side = seen < 0.0 && is_in_extent;
     side = last != 0.0 ? -sign(last) : has_side ? -1.0 : 1.0;
     bool is_root_at_start = is_in_extent && (seen < 0.0) != (side < 0.0);

@@ -323,17 +323,20 @@ struct RandomCsg : Csg {
         return scene;
     }
 
-    /// Judges the last picture's hits by a march in double; returns hits and misses.
-    std::array<int, 2> judge(const Scene& scene, const Image& hits) const {
+    /// Judges the last picture's hits by a march in double; returns how many there are.
+    ///
+    /// greatest  sample
+    /// slope     greatest, a voxel's edge
+    int judge(const Scene& scene, const Image& hits, double greatest = 2,
+              double slope = 1.1 * 1.3 * edge / (n - 1)) const {
         const Oracle oracle(scene);
         const double voxel = 0.9 * edge / (n - 1); // the shortest edge at least
         const double step = 0.1 * voxel;
-        // A hit's value: 2^-19 of samples up to 2 in size (renderer: u_value_error), and three
-        // times the tolerance of 1e-5 of a voxel's 1.3 / 0.9 edges, for places, at slopes of at
-        // most 1.1.
-        const double value_error = 0x1p-18 + 3e-5 * 1.5 * voxel * 1.1;
+        // A hit's value: 2^-19 of the samples (field_passes: u_value_error), and three times the
+        // tolerance of 1e-5 of a voxel's edge, for places.
+        const double value_error = 0x1p-19 * greatest + 3e-5 * slope;
         const double guarantee = 0.01 * 1.5 * voxel;
-        std::array<std::atomic<int>, 2> counts{};
+        std::atomic<int> count = 0;
         tbb::parallel_for(0, size * size, [&](int pixel) {
             const int x = pixel % size;
             const int y = pixel / size;
@@ -344,7 +347,7 @@ struct RandomCsg : Csg {
             };
             const float* hit = hits.pixel(x, y);
             const bool is_hit = hit[3] != 0;
-            ++counts[is_hit ? 0 : 1];
+            if (is_hit) ++count;
             const double t_hit =
                 is_hit ? (camera.eye_world + Vec3d(hit[0], hit[1], hit[2]) - ray.origin_world)
                              .dot(ray.direction_world)
@@ -374,7 +377,7 @@ struct RandomCsg : Csg {
             }
             EXPECT_LE(stretch, guarantee) << x << ' ' << y;
         });
-        return {counts[0], counts[1]};
+        return count;
     }
 };
 
@@ -389,7 +392,7 @@ TEST_F(RandomCsg, TreesAreThoseOfTheExactSplinesAlongEachRay) {
                   .projection = run % 3 == 0 ? Projection::Orthographic : Projection::Perspective,
                   .height_world = 2.2};
         const Image hits = draw(scene, FrameImage::Hit);
-        hits_in_all += judge(scene, hits)[0];
+        hits_in_all += judge(scene, hits);
     }
     EXPECT_GT(hits_in_all, 800);
 }
@@ -404,9 +407,31 @@ TEST_F(RandomCsg, IsSeenFromWithinItsObjectsToo) {
                   .target_world = random_point(random, -1, 1),
                   .fov_y_degrees = 80};
         const Image hits = draw(scene, FrameImage::Hit);
-        hits_in_all += judge(scene, hits)[0];
+        hits_in_all += judge(scene, hits);
     }
     EXPECT_GT(hits_in_all, 800);
+}
+
+TEST_F(RandomCsg, PassesTheManyRootsOfNoise) {
+    Random random(5);
+    const GridSpace space = cube_around(Vec3d::Zero(), edge, n);
+    const DenseField noise = random_dense(random, {Index3::Zero(), Index3::Constant(n)});
+    const auto placed = std::make_shared<DenseField>(
+        space, noise.extent(), std::vector(noise.values().begin(), noise.values().end()));
+    const FieldObject ball{.field = sampled_in(space, n, sphere_field(Vec3d::Zero(), 0.4))};
+    // Of control samples in [-3, 3] values are below 3, and their slopes below 3 sqrt 3 2 a voxel.
+    for (const CsgOperation operation : {Intersection, Difference}) {
+        for (const bool is_from_within : {false, true}) {
+            // Ball minus noise, or what of the noise lies in the ball: all of it is in the ball.
+            const Scene scene{.objects = {ball, {.field = placed}}, .tree = pair(operation)};
+            camera = {.eye_world = is_from_within ? Vec3d(0.1, 0, 0.05) : Vec3d(2, 1, 3),
+                      .target_world = Vec3d(0.01, 0.03, 0.02),
+                      .fov_y_degrees = is_from_within ? 90.0 : 20.0};
+            size = 48;
+            EXPECT_GT(judge(scene, draw(scene, FrameImage::Hit), 3, 10.4), 500);
+            EXPECT_FALSE(report.notes.empty());
+        }
+    }
 }
 
 TEST_F(RandomCsg, GradientsAndCurvaturesAreTheOwnersAndReversedWhereItIsTakenAway) {

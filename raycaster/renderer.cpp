@@ -166,13 +166,18 @@ std::array<Vec3d, 8> Renderer::surface_box_world() const {
     return corners;
 }
 
-FrameReport Renderer::draw(const Camera& camera, int width, int height, const ImageSet& wanted) {
-    const int limit = gl::max_image_extent();
-    if (width < 1 || height < 1 || width > limit || height > limit)
-        throw InputError(fmt::format("picture size {}x{}: each side must lie between 1 and {}",
-                                     width, height, limit));
+FrameReport Renderer::draw(const Camera& camera, int width, int height, const ImageSet& wanted,
+                           const std::optional<PicturePart>& asked_part) {
+    const auto check_size = [](const char* what, int w, int h, int limit) {
+        if (w < 1 || h < 1 || w > limit || h > limit)
+            throw InputError(
+                fmt::format("{} {}x{}: each side must lie between 1 and {}", what, w, h, limit));
+    };
+    check_size("picture size", width, height, max_picture_extent);
+    const PicturePart part = asked_part.value_or(PicturePart{.width = width, .height = height});
+    check_size("drawn at a time:", part.width, part.height, gl::max_image_extent());
     const PlacesOnGpu places(scene_.quality.traversal, ranges_, active_, scene_.field->space(),
-                             camera, width, height);
+                             camera, width, height, part);
     const bool has_derivative_field = derivative_field_.byte_count() > 0;
     FrameReport report;
     FrameContext frame{shaders_,
@@ -186,6 +191,7 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
                        height,
                        targets_,
                        look_textures_};
+    frame.part = part;
     const std::vector<Pass> declared = declare_passes(frame);
     const std::vector<Pass> live = live_passes(declared, wanted);
     frame.has_fused_gradient =
@@ -201,12 +207,13 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
             if (!texture.is_empty()) targets_.hit_and_gradient = {};
             targets_.framebuffer(pass.writes) = {};
             texture = {};
-        } else if (texture.is_empty() || texture.width() != width || texture.height() != height) {
+        } else if (texture.is_empty() || texture.width() != part.width ||
+                   texture.height() != part.height) {
             targets_.hit_and_gradient = {};
             targets_.framebuffer(pass.writes) = {};
             texture = {};
-            texture =
-                gl::Texture::image(format_of(pass.writes), width, height, name_of(pass.writes));
+            texture = gl::Texture::image(format_of(pass.writes), part.width, part.height,
+                                         name_of(pass.writes));
             targets_.framebuffer(pass.writes) = gl::Framebuffer({&texture}, name_of(pass.writes));
         }
         const bool is_fused = frame.has_fused_gradient && pass.writes == FrameImage::Gradient;

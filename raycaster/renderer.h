@@ -65,8 +65,13 @@ public:
     const std::optional<CoarseBricks>& coarse_bricks() const { return coarse_; }
 
     /// Runs the passes that `wanted` needs.
-    /// throws  InputError for a size below 1 or above what the GL offers
-    FrameReport draw(const Camera& camera, int width, int height, const ImageSet& wanted);
+    ///
+    /// part    of the picture of width x height that is drawn; all of it if empty. Pixels are, bit
+    ///         by bit, those of the whole picture, unless an effect reads its neighbours.
+    /// throws  InputError for a size below 1, a picture above max_picture_extent or a part above
+    ///         what the GL offers
+    FrameReport draw(const Camera& camera, int width, int height, const ImageSet& wanted,
+                     const std::optional<PicturePart>& part = {});
 
     /// An image of the last frame, which it must have wanted or needed.
     Image read(FrameImage image) const;

@@ -6,6 +6,7 @@
 #include "filtering/blocks.h"
 #include "raycaster/camera.h"
 
+#include <optional>
 #include <vector>
 
 namespace isocast {
@@ -28,8 +29,11 @@ struct TileLists {
 
 /// A block is seen in the rectangle around its eight corners; one that reaches behind the eye,
 /// everywhere. Blocks are numbered in the order of `active`, within a page by place_in_page.
+///
+/// part  whose tiles these are, of a picture of width x height; all of it if empty
 TileLists list_blocks(const BlockRanges& ranges, const std::vector<ActivePage>& active,
-                      const GridSpace& space, const Camera& camera, int width, int height);
+                      const GridSpace& space, const Camera& camera, int width, int height,
+                      const std::optional<PicturePart>& part = {});
 
 /// The runs of all tiles of a picture, as TileLists::runs().
 std::vector<Eigen::Vector4i> whole_picture(int width, int height);

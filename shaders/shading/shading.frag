@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 // twin  raycaster/shading.cpp
 #version 450 core
+#include "common/pixel.glsl"
 #include "shading/lights.glsl" // before #if, since a file is included once
 // MODEL: raycaster/look.h, ShadingModel.
 #if MODEL == 0
@@ -26,7 +27,7 @@ out vec4 o_beauty; // linear RGB, coverage
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    vec3 direction = u_ray_vector * vec3(1.0, gl_FragCoord.xy);
+    vec3 direction = u_ray_vector * vec3(1.0, picture_pixel());
     if (texelFetch(t_hit, pixel, 0).w == 0.0) {
 #if SHOWS_ENVIRONMENT
         o_beauty = with_overlays(pixel, vec4(environment(direction), 0.0));

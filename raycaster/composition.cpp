@@ -74,7 +74,7 @@ void search(const FrameContext& frame, int number, const Depths& depths, const g
 PlacesOnGpu tiles_of(const FrameContext& frame, std::span<const std::uint32_t> waiting,
                      std::uint32_t objects) {
     PlacesOnGpu places;
-    places.set_runs(runs_of_tiles(frame.width, frame.height, [&](std::size_t tile) {
+    places.set_runs(runs_of_tiles(frame.part.width, frame.part.height, [&](std::size_t tile) {
         return (waiting[tile] & objects) != 0;
     }));
     return places;
@@ -91,14 +91,14 @@ void run_composition(FrameContext& frame) {
     const Eigen::Vector4f zero = Eigen::Vector4f::Zero();
     for (int i = 0; i < count; ++i) {
         roots.push_back(
-            gl::Texture::image(gl::Format::Rgba32f, frame.width, frame.height, "roots"));
+            gl::Texture::image(gl::Format::Rgba32f, frame.part.width, frame.part.height, "roots"));
         root_targets.emplace_back(gl::Framebuffer({&roots.back()}, "roots"));
         root_targets.back().bind();
         glClearBufferfv(GL_COLOR, 0, zero.data());
         frame.scratch_bytes += roots.back().byte_count();
     }
-    const gl::Texture pending =
-        gl::Texture::image(gl::Format::R32f, frame.width, frame.height, "pending objects");
+    const gl::Texture pending = gl::Texture::image(gl::Format::R32f, frame.part.width,
+                                                   frame.part.height, "pending objects");
     frame.scratch_bytes += pending.byte_count();
     const gl::Framebuffer hit_and_pending({&frame.targets.texture(FrameImage::Hit), &pending},
                                           "hit and pending objects");
@@ -109,14 +109,15 @@ void run_composition(FrameContext& frame) {
 
     const InsideTable table = inside_table(tree_of(frame.scene), count);
     const auto tile_count =
-        static_cast<std::size_t>(tiles_along(frame.width) * tiles_along(frame.height));
+        static_cast<std::size_t>(tiles_along(frame.part.width) * tiles_along(frame.part.height));
     gl::ReadbackBuffer waiting_on_gpu(std::int64_t{4} * static_cast<std::int64_t>(tile_count),
                                       "objects that tiles wait for");
     // At first for all objects where there is one: on which side of the others a ray is must be
     // known, too.
     std::vector<std::uint32_t> waiting(tile_count);
     for (const Eigen::Vector4i& run : frame.places.tile_runs)
-        std::fill_n(waiting.begin() + run[0] + std::ptrdiff_t{tiles_along(frame.width)} * run[2],
+        std::fill_n(waiting.begin() + run[0] +
+                        std::ptrdiff_t{tiles_along(frame.part.width)} * run[2],
                     run[1] - run[0], all);
     int rounds = 0;
     int searches = 0;
@@ -144,7 +145,7 @@ void run_composition(FrameContext& frame) {
         for (int word = 0; word < std::max(1, (1 << count) / 32); ++word)
             program.set(fmt::format("u_inside[{}]", word).c_str(),
                         static_cast<int>(table.words[static_cast<std::size_t>(word)]));
-        program.set("u_tile_columns", tiles_along(frame.width));
+        program.set("u_tile_columns", tiles_along(frame.part.width));
         waiting_on_gpu.clear();
         waiting_on_gpu.bind_to_storage(0);
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);

@@ -43,15 +43,17 @@ void PlacesOnGpu::set_runs(std::vector<Eigen::Vector4i> of_tiles) {
 
 PlacesOnGpu::PlacesOnGpu(Traversal traversal, const BlockRanges& ranges,
                          const std::vector<ActivePage>& active, const GridSpace& space,
-                         const Camera& camera, int width, int height) {
+                         const Camera& camera, int width, int height,
+                         const std::optional<PicturePart>& asked_part) {
+    const PicturePart part = asked_part.value_or(PicturePart{.width = width, .height = height});
     if (traversal == Traversal::TileLists) {
-        const TileLists tiles = list_blocks(ranges, active, space, camera, width, height);
+        const TileLists tiles = list_blocks(ranges, active, space, camera, width, height, part);
         columns = tiles.width;
         lists = {std::as_bytes(std::span(tiles.lists)), gl::Format::Rg32i, "tiles"};
         blocks = {std::as_bytes(std::span(tiles.blocks)), gl::Format::R32i, "blocks of tiles"};
         set_runs(tiles.runs());
     } else {
-        set_runs(whole_picture(width, height));
+        set_runs(whole_picture(part.width, part.height));
     }
     if (traversal == Traversal::DrawnBlocks) {
         BlockOrder nearest_first = order_blocks(ranges, active, space, camera);

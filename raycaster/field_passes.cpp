@@ -64,6 +64,7 @@ RayCoefficients set_ray_uniforms(const gl::Program& program, const FrameContext&
                          frame.field.local_origin_index());
     program.set("u_ray_point", Eigen::Matrix3f(ray.point.cast<float>()));
     program.set("u_ray_vector", Eigen::Matrix3f(ray.vector.cast<float>()));
+    set_first_pixel(frame, program);
     return ray;
 }
 
@@ -83,6 +84,14 @@ void set_face_uniforms(const gl::Program& program, const FrameContext& frame) {
     clip_from_view(1, 1) = 1 / half_height;
     // Depth is not looked at: faces are clipped where they reach behind the eye alone.
     (is_perspective ? clip_from_view(3, 2) : clip_from_view(3, 3)) = is_perspective ? -1 : 1;
+    // From the whole picture to the part that is drawn.
+    const Eigen::Array2d picture(frame.width, frame.height);
+    const Eigen::Array2d part(frame.part.width, frame.part.height);
+    const Eigen::Array2d first = frame.part.first_pixel(frame.height).array();
+    for (int axis = 0; axis < 2; ++axis)
+        clip_from_view.row(axis) =
+            picture[axis] / part[axis] * clip_from_view.row(axis) +
+            ((picture[axis] - 2 * first[axis]) / part[axis] - 1) * clip_from_view.row(3);
     Eigen::Matrix4d view_from_local = Eigen::Matrix4d::Identity();
     view_from_local.topLeftCorner<3, 3>() = view_from_index;
     view_from_local.topRightCorner<3, 1>() = offset_view;
@@ -100,8 +109,8 @@ void set_face_uniforms(const gl::Program& program, const FrameContext& frame) {
 /// gets at least one block further.
 void draw_streamed(FrameContext& frame, FieldOnGpu& field, const gl::Program& program) {
     BrickPool& pool = field.pool();
-    gl::Texture progress =
-        gl::Texture::image(gl::Format::R32i, frame.width, frame.height, "pixels' progress");
+    gl::Texture progress = gl::Texture::image(gl::Format::R32i, frame.part.width, frame.part.height,
+                                              "pixels' progress");
     progress.clear(-1); // shaders/raycast/stream.glsl: not_started
     const int block_count = field.block_count();
     gl::ReadbackBuffer visits(std::int64_t{block_count} * 4, "visited blocks");

@@ -13,10 +13,16 @@ void set_fixed_state() {
     glDisable(GL_BLEND);
 }
 
+void set_first_pixel(const FrameContext& frame, const gl::Program& program) {
+    if (program.has("u_first_pixel"))
+        program.set("u_first_pixel",
+                    Eigen::Vector2f(frame.part.first_pixel(frame.height).cast<float>()));
+}
+
 namespace {
 
-/// Columns (constant, d/dx, d/dy) of the affine map from gl_FragCoord to view space at `depth` in
-/// front of the eye; gl_FragCoord has its origin at the bottom left.
+/// Columns (constant, d/dx, d/dy) of the affine map from pixels to view space at `depth` in front
+/// of the eye; like gl_FragCoord's they have their origin at the bottom left.
 Mat3d view_point_coefficients(const Camera& camera, int width, int height, double depth) {
     const double half_height = camera.half_height_at(depth);
     const double half_width = half_height * width / height;
@@ -44,8 +50,9 @@ void draw_runs(const FrameContext& frame, const gl::Program& program, const Numb
     frame.no_vertices.bind();
     runs.texture.bind_to_unit(7);
     program.set("u_clip_from_tile",
-                Eigen::Vector2f(2.0F * tile_pixels / static_cast<float>(frame.width),
-                                2.0F * tile_pixels / static_cast<float>(frame.height)));
+                Eigen::Vector2f(2.0F * tile_pixels / static_cast<float>(frame.part.width),
+                                2.0F * tile_pixels / static_cast<float>(frame.part.height)));
+    set_first_pixel(frame, program);
     program.use();
     glDrawArrays(GL_TRIANGLES, 0, 6 * run_count);
 }
@@ -111,7 +118,8 @@ FrameContext of_object(const FrameContext& frame, const FrameObject& object) {
             frame.height,
             frame.targets,
             frame.look_textures,
-            frame.objects};
+            frame.objects,
+            frame.part};
 }
 
 void draw_on_tiles(const FrameContext& frame, const gl::Program& program) {
@@ -132,7 +140,7 @@ void draw_tiles(const FrameContext& frame, FrameImage image, const gl::Program& 
 
 void draw_everywhere(const FrameContext& frame, FrameImage image, const gl::Program& program) {
     frame.targets.framebuffer(image).bind();
-    const std::vector<Eigen::Vector4i> runs = whole_picture(frame.width, frame.height);
+    const std::vector<Eigen::Vector4i> runs = whole_picture(frame.part.width, frame.part.height);
     const NumbersOnGpu all{std::as_bytes(std::span(runs)), gl::Format::Rgba32i, "whole picture"};
     draw_runs(frame, program, all, static_cast<int>(runs.size()));
 }

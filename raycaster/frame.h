@@ -79,11 +79,12 @@ struct FrameContext {
     FieldOnGpu& curvature_field;
     const PlacesOnGpu& places; // where objects are composed those of all
     const Camera& camera;
-    int width;
+    int width; // of the whole picture
     int height;
     FrameTargets& targets;
     LookTextures& look_textures;
-    std::span<const FrameObject> objects = {}; // all, by number
+    std::span<const FrameObject> objects = {};          // all, by number
+    PicturePart part{.width = width, .height = height}; // of the picture, that the images show
     std::int64_t scratch_bytes = 0;      // of textures that a pass made for itself alone, the most
     ImageSet live = {};                  // what the passes of this frame write
     bool has_fused_gradient = false;     // the pass "raycast" writes gradients too
@@ -102,6 +103,8 @@ Vec3d direction_world(const Light& light, const Camera& viewer);
 
 /// Depth test, culling and blending off.
 void set_fixed_state();
+/// Sets the uniform of shaders/common/pixel.glsl if the program has it. Those below do.
+void set_first_pixel(const FrameContext& frame, const gl::Program& program);
 /// Runs the program on every pixel that can show something, into the bound framebuffer.
 void draw_on_tiles(const FrameContext& frame, const gl::Program& program);
 /// The same on tiles of one's own.
@@ -113,7 +116,7 @@ void draw_tiles(const FrameContext& frame, FrameImage image, const gl::Program& 
 void draw_everywhere(const FrameContext& frame, FrameImage image, const gl::Program& program);
 
 /// Coefficients of shaders/common/ray.glsl, computed in double: columns are the constant and the
-/// derivatives by gl_FragCoord's x and y.
+/// derivatives by the x and y of shaders/common/pixel.glsl, in a picture of width x height.
 struct RayCoefficients {
     Mat3d point;        // local index coordinates of a point on a plane through the object
     Mat3d vector;       // from the ray's start to that point [voxels]
@@ -123,8 +126,9 @@ struct RayCoefficients {
 RayCoefficients ray_coefficients(const Camera& camera, int width, int height,
                                  const GridSpace& space, const Index3& local_origin_index);
 
-/// Columns (constant, d/dx, d/dy) of the affine map from gl_FragCoord to the vector in world axes
-/// from a ray's start to a point `depth_world` in front of it.
+/// Columns (constant, d/dx, d/dy) of the affine map from the place in the picture, of
+/// shaders/common/pixel.glsl, to the vector in world axes from a ray's start to a point
+/// `depth_world` in front of it.
 Mat3d world_vector_coefficients(const Camera& camera, int width, int height,
                                 double depth_world = 1);
 

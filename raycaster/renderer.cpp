@@ -148,7 +148,8 @@ std::array<Vec3d, 8> Renderer::surface_box_world() const {
     return corners;
 }
 
-std::vector<FrameObject> Renderer::frame_objects(const Camera& camera, int width, int height) {
+std::vector<FrameObject> Renderer::frame_objects(const Camera& camera, int width, int height,
+                                                 const PicturePart& part) {
     std::vector<FrameObject> objects;
     for (LoadedObject& object : objects_)
         objects.push_back({object.object(),
@@ -156,19 +157,24 @@ std::vector<FrameObject> Renderer::frame_objects(const Camera& camera, int width
                            object.derivative_field(),
                            object.curvature_field(),
                            {scene_.quality.traversal, object.ranges(), object.active(),
-                            object.object().field->space(), camera, width, height},
+                            object.object().field->space(), camera, width, height, part},
                            object.box_world()});
     return objects;
 }
 
-FrameReport Renderer::draw(const Camera& camera, int width, int height, const ImageSet& wanted) {
-    const int limit = gl::max_image_extent();
-    if (width < 1 || height < 1 || width > limit || height > limit)
-        throw InputError(fmt::format("picture size {}x{}: each side must lie between 1 and {}",
-                                     width, height, limit));
-    const std::vector<FrameObject> objects = frame_objects(camera, width, height);
+FrameReport Renderer::draw(const Camera& camera, int width, int height, const ImageSet& wanted,
+                           const std::optional<PicturePart>& asked_part) {
+    const auto check_size = [](const char* what, int w, int h, int limit) {
+        if (w < 1 || h < 1 || w > limit || h > limit)
+            throw InputError(
+                fmt::format("{} {}x{}: each side must lie between 1 and {}", what, w, h, limit));
+    };
+    check_size("picture size", width, height, max_picture_extent);
+    const PicturePart part = asked_part.value_or(PicturePart{.width = width, .height = height});
+    check_size("drawn at a time:", part.width, part.height, gl::max_image_extent());
+    const std::vector<FrameObject> objects = frame_objects(camera, width, height, part);
     const PlacesOnGpu places_of_all =
-        is_composed(scene_) ? union_of_places(objects, width, height) : PlacesOnGpu();
+        is_composed(scene_) ? union_of_places(objects, part.width, part.height) : PlacesOnGpu();
     const FrameObject& first = objects.front();
     FrameReport report;
     FrameContext frame{shaders_,
@@ -184,7 +190,8 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
                        height,
                        targets_,
                        look_textures_,
-                       objects};
+                       objects,
+                       part};
     const std::vector<Pass> declared = declare_passes(frame);
     const std::vector<Pass> live = live_passes(declared, wanted);
     const auto is_live = [&](FrameImage image) { return frame.live.contains(image); };
@@ -192,7 +199,8 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
     frame.has_fused_gradient = can_fuse_gradient(frame) && is_live(FrameImage::Gradient);
     frame.surface_box_world = [&] { return surface_box_world(); };
     frame.find_objects = [&](const Camera& other, int other_width, int other_height) {
-        return frame_objects(other, other_width, other_height);
+        return frame_objects(other, other_width, other_height,
+                             {.width = other_width, .height = other_height});
     };
     if (is_live(FrameImage::ShadowMap)) {
         const Light* light = casting_light(scene_.look);
@@ -219,8 +227,8 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
     for (const Pass& pass : declared) {
         gl::Texture& texture = targets_.texture(pass.writes);
         const bool is_of_light = frame.light && pass.writes == FrameImage::ShadowMap;
-        const int image_width = is_of_light ? frame.light->width : width;
-        const int image_height = is_of_light ? frame.light->height : height;
+        const int image_width = is_of_light ? frame.light->width : part.width;
+        const int image_height = is_of_light ? frame.light->height : part.height;
         if (!is_live(pass.writes)) {
             if (!texture.is_empty()) targets_.hit_and_gradient = {};
             targets_.framebuffer(pass.writes) = {};

@@ -68,9 +68,13 @@ public:
     }
 
     /// Runs the passes that `wanted` needs.
-    /// throws  InputError for a size below 1 or above what the GL offers, and for shadows if no
-    ///         light casts any
-    FrameReport draw(const Camera& camera, int width, int height, const ImageSet& wanted);
+    ///
+    /// part    of the picture of width x height that is drawn; all of it if empty. Pixels are, bit
+    ///         by bit, those of the whole picture, unless an effect reads its neighbours.
+    /// throws  InputError for a size below 1, a picture above max_picture_extent or a part above
+    ///         what the GL offers, and for shadows if no light casts any
+    FrameReport draw(const Camera& camera, int width, int height, const ImageSet& wanted,
+                     const std::optional<PicturePart>& part = {});
 
     /// An image of the last frame, which it must have wanted or needed.
     Image read(FrameImage image) const;
@@ -84,7 +88,8 @@ private:
     Eigen::AlignedBox3d composed_box() const;
 
     /// The objects as a camera sees them.
-    std::vector<FrameObject> frame_objects(const Camera& camera, int width, int height);
+    std::vector<FrameObject> frame_objects(const Camera& camera, int width, int height,
+                                           const PicturePart& part);
 
     gl::Context& context_;
     gl::ShaderLibrary shaders_;

@@ -24,11 +24,13 @@ struct TileBox {
 /// Blocks seen by a camera.
 class Viewer {
 public:
-    Viewer(const GridSpace& space, const Camera& camera, int width, int height)
+    Viewer(const GridSpace& space, const Camera& camera, int width, int height,
+           const PicturePart& part)
         : is_perspective_(camera.projection == Projection::Perspective),
-          columns_((width + tile_pixels - 1) / tile_pixels),
-          rows_((height + tile_pixels - 1) / tile_pixels), centre_x_(width / 2.0 / tile_pixels),
-          centre_y_(height / 2.0 / tile_pixels) {
+          columns_((part.width + tile_pixels - 1) / tile_pixels),
+          rows_((part.height + tile_pixels - 1) / tile_pixels),
+          centre_x_((width / 2.0 - part.first_pixel(height).x()) / tile_pixels),
+          centre_y_((height / 2.0 - part.first_pixel(height).y()) / tile_pixels) {
         const Mat3d rotation = camera.view_from_world_rotation();
         view_from_index_ = rotation * space.world_from_index.linear();
         offset_view_ = rotation * (space.world_from_index.translation() - camera.eye_world);
@@ -86,7 +88,7 @@ private:
     bool is_perspective_;
     int columns_;
     int rows_;
-    double centre_x_; // of the picture [tiles]
+    double centre_x_; // of the picture, from the part's corner [tiles]
     double centre_y_;
     Mat3d view_from_index_;
     Vec3d offset_view_;
@@ -164,8 +166,10 @@ std::vector<Eigen::Vector4i> union_of_runs(std::span<const std::vector<Eigen::Ve
 }
 
 TileLists list_blocks(const BlockRanges& ranges, const std::vector<ActivePage>& active,
-                      const GridSpace& space, const Camera& camera, int width, int height) {
-    const Viewer viewer(space, camera, width, height);
+                      const GridSpace& space, const Camera& camera, int width, int height,
+                      const std::optional<PicturePart>& asked_part) {
+    const PicturePart part = asked_part.value_or(PicturePart{.width = width, .height = height});
+    const Viewer viewer(space, camera, width, height, part);
     std::vector<SeenBlock> seen = all_blocks(ranges, active, [&](const Index3& block, int number) {
         return SeenBlock{viewer.order_of(block), number, viewer.tiles_of(block)};
     });
@@ -175,7 +179,7 @@ TileLists list_blocks(const BlockRanges& ranges, const std::vector<ActivePage>& 
     std::ranges::sort(seen, {},
                       [](const SeenBlock& block) { return std::pair(block.order, block.number); });
 
-    TileLists tiles{tiles_along(width), tiles_along(height), {}, {}};
+    TileLists tiles{tiles_along(part.width), tiles_along(part.height), {}, {}};
     tiles.lists.assign(static_cast<std::size_t>(tiles.width * tiles.height),
                        Eigen::Vector2i::Zero());
     const auto for_each_tile = [&](const TileBox& box, int y_lo, int y_hi, auto visit) {
@@ -215,7 +219,8 @@ std::vector<Eigen::Vector4i> whole_picture(int width, int height) {
 
 BlockOrder order_blocks(const BlockRanges& ranges, const std::vector<ActivePage>& active,
                         const GridSpace& space, const Camera& camera) {
-    const Viewer viewer(space, camera, tile_pixels, tile_pixels);
+    const Viewer viewer(space, camera, tile_pixels, tile_pixels,
+                        {.width = tile_pixels, .height = tile_pixels});
     std::vector<std::pair<double, std::int32_t>> seen =
         all_blocks(ranges, active, [&](const Index3& block, int number) {
             return std::pair(viewer.order_of(block), number);

@@ -7,6 +7,7 @@
 #include "raycaster/camera.h"
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -30,8 +31,11 @@ struct TileLists {
 
 /// A block is seen in the rectangle around its eight corners; one that reaches behind the eye,
 /// everywhere. Blocks are numbered in the order of `active`, within a page by place_in_page.
+///
+/// part  whose tiles these are, of a picture of width x height; all of it if empty
 TileLists list_blocks(const BlockRanges& ranges, const std::vector<ActivePage>& active,
-                      const GridSpace& space, const Camera& camera, int width, int height);
+                      const GridSpace& space, const Camera& camera, int width, int height,
+                      const std::optional<PicturePart>& part = {});
 
 inline int tiles_along(int pixels) {
     return (pixels + tile_pixels - 1) / tile_pixels;

@@ -23,8 +23,8 @@ double extent_diagonal_world(const FrameContext& frame) {
 std::optional<double>
 percentile(FrameContext& frame, FrameImage image, double share,
            const std::function<std::optional<double>(const float*)>& measure) {
-    const std::size_t count = std::size_t{4} * static_cast<std::size_t>(frame.width) *
-                              static_cast<std::size_t>(frame.height);
+    const std::size_t count = std::size_t{4} * static_cast<std::size_t>(frame.part.width) *
+                              static_cast<std::size_t>(frame.part.height);
     std::vector<float> hits(count);
     std::vector<float> pixels(count);
     frame.targets.texture(FrameImage::Hit).read_rgba(hits);

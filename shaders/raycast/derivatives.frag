@@ -2,6 +2,7 @@
 // section 6.4.1).
 // SPDX-License-Identifier: MPL-2.0
 #version 450 core
+#include "common/pixel.glsl"
 #include "raycast/field.glsl"
 // ORDER 1: the gradient; 2: what follows from the Hessian, each to its attachment, -1 for none.
 #if ORDER == 2
@@ -112,7 +113,7 @@ void main() {
         mat3 hessian = transpose(u_index_from_world) * f.hessian * u_index_from_world;
 #if VIEW_CURVATURE_AT >= 0
         o_view_curvature =
-            normal_curvature(gradient, hessian, u_ray_vector_world * vec3(1.0, gl_FragCoord.xy));
+            normal_curvature(gradient, hessian, u_ray_vector_world * vec3(1.0, picture_pixel()));
 #endif
 #if FLOW_LINE_CURVATURE_AT >= 0
         o_flow_line_curvature = flow_line_curvature(gradient, hessian);

@@ -59,7 +59,7 @@ uniform float u_world_from_stored;
 
 void main() {
     o_hit = vec4(0.0);
-    Ray ray = pixel_ray(gl_FragCoord.xy);
+    Ray ray = pixel_ray();
     vec3 d = ray.direction;
     vec3 inverse = inverse_of(d);
     // Along an axis on which the ray does not move, the middle of its cell stands for its place: in a

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 // twin  raycaster/shading.cpp
 #version 450 core
+#include "common/pixel.glsl"
 #include "shading/lights.glsl" // before #if, since a file is included once
 #include "shading/normal.glsl"
 // MODEL: raycaster/look.h, ShadingModel.
@@ -31,7 +32,7 @@ out vec4 o_beauty; // linear RGB, coverage
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    vec3 direction = u_ray_vector * vec3(1.0, gl_FragCoord.xy);
+    vec3 direction = u_ray_vector * vec3(1.0, picture_pixel());
     float object = texelFetch(t_hit, pixel, 0).w;
     if (object == 0.0) {
 #if SHOWS_ENVIRONMENT

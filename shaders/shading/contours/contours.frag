@@ -1,6 +1,7 @@
 // Contours of even thickness [Kindlmann et al. 2003].
 // SPDX-License-Identifier: MPL-2.0
 #version 450 core
+#include "common/pixel.glsl"
 // A pixel's distance from the contour follows from n.v and the normal curvature k in the direction
 // of the view, as if the surface went on as the circle of that curvature:
 //
@@ -37,7 +38,7 @@ void main() {
     vec3 gradient = texelFetch(t_gradient, pixel, 0).xyz;
     float length_g = length(gradient);
     if (hit.w == 0.0 || length_g == 0.0) return;
-    vec3 ray = u_ray_vector * vec3(1.0, gl_FragCoord.xy);
+    vec3 ray = u_ray_vector * vec3(1.0, picture_pixel());
     vec3 v = -normalize(ray);
     // Seen from inside, what is convex is concave.
     float side = dot(gradient, v) < 0.0 ? -1.0 : 1.0;

@@ -1,6 +1,7 @@
 // Normals and depths for outlines.
 // SPDX-License-Identifier: MPL-2.0
 #version 450 core
+#include "common/pixel.glsl"
 
 layout(binding = 0) uniform sampler2D t_hit;
 layout(binding = 1) uniform sampler2D t_gradient;
@@ -16,7 +17,7 @@ void main() {
     vec4 hit = texelFetch(t_hit, pixel, 0);
     vec3 gradient = texelFetch(t_gradient, pixel, 0).xyz;
     float length_g = length(gradient);
-    vec3 ray = u_ray_vector * vec3(1.0, gl_FragCoord.xy);
+    vec3 ray = u_ray_vector * vec3(1.0, picture_pixel());
     float depth = dot(hit.xyz, u_forward);
     // Affine over the picture of a plane, and 0 at the background: infinitely far from an eye.
     float nearness = u_is_perspective ? 1.0 / depth : u_background_depth - depth;

@@ -1,6 +1,7 @@
 // Silhouettes and creases: Sobel filters of depths and normals (thesis section 7.3.3).
 // SPDX-License-Identifier: MPL-2.0
 #version 450 core
+#include "common/pixel.glsl"
 // Four bilinear fetches at the corners of the pixel are the nine of the stencil: each is the mean of
 // four texels, and what two of them share is counted twice.
 //
@@ -42,7 +43,7 @@ void main() {
     // much is a slack for surfaces that bend: the slope of a circle from 1 to 3 pixels within its
     // silhouette is a quarter more than that at 2.
     vec4 centre = texelFetch(t_source, ivec2(gl_FragCoord.xy), 0);
-    float along_ray = dot(centre.xyz, u_ray_vector * vec3(1.0, gl_FragCoord.xy));
+    float along_ray = dot(centre.xyz, u_ray_vector * vec3(1.0, picture_pixel()));
     float stable = along_ray < 0.0 ? min(along_ray, -1e-6) : max(along_ray, 1e-6);
     vec2 plane = vec2(dot(centre.xyz, u_pixel_x), dot(centre.xyz, u_pixel_y)) / stable;
     if (u_is_perspective) plane *= centre.w;

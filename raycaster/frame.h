@@ -65,7 +65,7 @@ struct FrameContext {
     FrameTargets& targets;
     LookTextures& look_textures;
     std::span<const FrameObject> objects = {}; // all, by number
-    std::int64_t scratch_bytes = 0;      // of textures that a pass made for itself alone, the most
+    std::int64_t scratch_bytes = 0;      // of textures that a pass made for itself alone
     bool has_fused_gradient = false;     // the pass "raycast" writes gradients too
     std::vector<std::string> notes = {}; // what was chosen for the user, to be reported
 };

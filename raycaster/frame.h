@@ -65,9 +65,9 @@ struct FrameContext {
     FrameTargets& targets;
     LookTextures& look_textures;
     std::span<const FrameObject> objects = {}; // all, by number
-    std::int64_t scratch_bytes = 0;      // of textures that a pass made for itself alone
-    bool has_fused_gradient = false;     // the pass "raycast" writes gradients too
-    std::vector<std::string> notes = {}; // what was chosen for the user, to be reported
+    std::int64_t scratch_bytes = 0;            // of textures that a pass made for itself alone
+    bool has_fused_gradient = false;           // the pass "raycast" writes gradients too
+    std::vector<std::string> notes = {};       // what was chosen for the user, to be reported
 };
 
 /// The frame with one of its objects in the place of the only one.

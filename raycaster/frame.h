@@ -85,7 +85,7 @@ struct FrameContext {
     LookTextures& look_textures;
     std::span<const FrameObject> objects = {};          // all, by number
     PicturePart part{.width = width, .height = height}; // of the picture, that the images show
-    std::int64_t scratch_bytes = 0;      // of textures that a pass made for itself alone, the most
+    std::int64_t scratch_bytes = 0;      // of textures that a pass made for itself alone
     ImageSet live = {};                  // what the passes of this frame write
     bool has_fused_gradient = false;     // the pass "raycast" writes gradients too
     std::vector<std::string> notes = {}; // what was chosen for the user, to be reported

@@ -75,8 +75,9 @@ TEST(FieldSeries, HasTwoNeighboursAtATime) {
 TEST(FieldSeries, ReadsTheNeighboursAlone) {
     std::map<std::int64_t, std::shared_ptr<const FieldSource>> read;
     const auto reader = [&](const TimedFile& file) {
-        read[file.time] = sampled(sphere_field(Vec3d::Zero(), 0.4 + 0.1 * double(file.time)), 24);
-        return read[file.time];
+        AnalyticField ball = sphere_field(Vec3d::Zero(), 0.4 + 0.1 * double(file.time));
+        ball.half_extent_world = 1; // one lattice for all
+        return read[file.time] = sampled(std::move(ball), 24);
     };
     const Morph between = field_at(uneven, 2.5, reader);
     ASSERT_EQ(read.size(), 2U);
@@ -86,7 +87,8 @@ TEST(FieldSeries, ReadsTheNeighboursAlone) {
     EXPECT_NEAR(sample(*between.field, index),
                 between.field->space().to_world(index.cast<double>()).norm() - 0.65, 1e-6);
     read.clear();
-    EXPECT_EQ(field_at(uneven, 4, reader).field, read.at(4));
+    const Morph at_a_file = field_at(uneven, 4, reader);
+    EXPECT_EQ(at_a_file.field, read.at(4));
     EXPECT_EQ(read.size(), 1U);
 }
 

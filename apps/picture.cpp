@@ -73,6 +73,17 @@ void add_pixels(Image& rows, const Image& drawn, const PicturePart& part, const 
     }
 }
 
+/// Each image that was asked for.
+FrameImages black_rows(const PictureRequest& request, int height) {
+    const Image black{request.width, height,
+                      std::vector<float>(std::size_t{4} * static_cast<std::size_t>(request.width) *
+                                         static_cast<std::size_t>(height))};
+    FrameImages rows;
+    for (const FrameImage image : request.others) rows[image] = black;
+    if (request.has_beauty) rows[FrameImage::Beauty] = black;
+    return rows;
+}
+
 } // namespace
 
 std::vector<Eigen::Vector2d> sample_shifts(int samples, PixelFilter filter) {
@@ -131,42 +142,34 @@ FrameReport draw_picture(Renderer& renderer, const Camera& camera, const Picture
         request.width, request.height, request.tile_pixels, gl::max_image_extent() - 2 * reach);
     FrameReport report;
     FrameImages rows;
-    const auto of_rows = [&](FrameImage image, const PicturePart& part) -> Image& {
-        Image& out = rows[image];
-        const auto count = std::size_t{4} * static_cast<std::size_t>(request.width) *
-                           static_cast<std::size_t>(part.height);
-        if (part.x == 0) out = {request.width, part.height, std::vector<float>(count)};
-        return out;
-    };
     // One frame for all where it shows the pixels' middles.
     const bool is_one_frame = request.has_beauty && request.samples == 1;
     const std::size_t frames_of_part = (is_one_frame || !request.others.empty()) +
                                        (request.has_beauty && !is_one_frame ? shifts.size() : 0);
     int drawn = 0;
     for (const PicturePart& part : parts) {
+        if (part.x == 0) rows = black_rows(request, part.height);
         PicturePart around = grown(part, reach, request.width, request.height);
         const auto draw = [&](const ImageSet& wanted) {
             if (progress)
                 progress("drawing", double(drawn++) / double(parts.size() * frames_of_part));
             add(report, draw_frame(renderer, camera, request, wanted, around));
         };
-        const auto take = [&](FrameImage image, float weight) {
-            add_pixels(of_rows(image, part), renderer.read(image), part, around, weight);
+        const auto add_to_rows = [&](FrameImage image, float weight) {
+            add_pixels(rows.at(image), renderer.read(image), part, around, weight);
         };
         if (is_one_frame || !request.others.empty()) {
             ImageSet wanted = others;
             if (is_one_frame) wanted.insert(FrameImage::Beauty);
             draw(wanted);
-            for (const FrameImage image : request.others) take(image, 1);
-            if (is_one_frame) take(FrameImage::Beauty, 1);
+            for (const FrameImage image : request.others) add_to_rows(image, 1);
+            if (is_one_frame) add_to_rows(FrameImage::Beauty, 1);
         }
         if (request.has_beauty && !is_one_frame) {
-            of_rows(FrameImage::Beauty, part);
             for (const Eigen::Vector2d& shift : shifts) {
                 around.shift = shift;
                 draw({FrameImage::Beauty});
-                add_pixels(rows[FrameImage::Beauty], renderer.read(FrameImage::Beauty), part,
-                           around, 1.0F / static_cast<float>(request.samples));
+                add_to_rows(FrameImage::Beauty, 1.0F / static_cast<float>(request.samples));
             }
         }
         if (part.x + part.width == request.width) write(rows);

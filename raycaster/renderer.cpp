@@ -34,6 +34,8 @@ BlockRanges with_samples_of(const FieldSource& control, BlockRanges ranges,
     return ranges;
 }
 
+constexpr int least_shadow_map = 16; // pixels: of which four are its empty border
+
 /// throws  InputError
 void check_look(const Look& look) {
     if (look.lights.size() > max_light_count)
@@ -47,9 +49,10 @@ void check_look(const Look& look) {
         if (!(light->size_degrees >= 0 && light->size_degrees < 180))
             throw InputError(
                 fmt::format("a light of {} degrees: not in [0, 180)", light->size_degrees));
-        if (light->shadow_map_pixels < 16 || light->shadow_map_pixels > gl::max_image_extent())
-            throw InputError(fmt::format("a shadow map of {} pixels: not in 16 ... {}",
-                                         light->shadow_map_pixels, gl::max_image_extent()));
+        const int pixels = light->shadow_map_pixels.value_or(least_shadow_map);
+        if (pixels < least_shadow_map || pixels > gl::max_image_extent())
+            throw InputError(fmt::format("a shadow map of {} pixels: not in {} ... {}", pixels,
+                                         least_shadow_map, gl::max_image_extent()));
     }
     const Occlusion& occlusion = look.effects.occlusion;
     if (occlusion.rays < 1)
@@ -220,8 +223,10 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
         if (light == nullptr) throw InputError("no light casts shadows");
         // The surface is within a voxel of the control samples that enclose it.
         const Mat3d edges = scene_.field->space().world_from_index.linear();
-        frame.light =
-            light_view(*light, camera, surface_box_world(), edges.colwise().norm().maxCoeff());
+        frame.light = light_view(
+            *light, camera,
+            light->shadow_map_pixels.value_or(std::max({least_shadow_map, width, height})),
+            surface_box_world(), edges.colwise().norm().maxCoeff());
     }
     const bool keeps_shadow_map = frame.light && frame.light == shadow_map_;
     if (!keeps_shadow_map) shadow_map_.reset();

@@ -98,7 +98,9 @@ void explain(const RenderReport& report) {
                        double(pass.texture_bytes) / mib, pass.asked_by,
                        pass.drawn_by.empty() ? "" : fmt::format(" (drawn by {})", pass.drawn_by));
         else
-            fmt::print("{:<16} {:>10} {:>10}  nothing: does not run\n", pass.name, "-", "-");
+            fmt::print("{:<16} {:>10} {:>10}  {}\n", pass.name, "-", "-",
+                       pass.is_kept ? pass.asked_by + " (kept from the frame before)"
+                                    : "nothing: does not run");
     fmt::print(
         "{} programs; images {:.2f} MiB, field {:.2f} MiB, environment, maps and noise {:.2f} "
         "MiB\n",

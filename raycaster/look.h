@@ -33,8 +33,9 @@ struct Light {
     Vec3d colour = Vec3d(1, 1, 1);
     Shadow shadow = Shadow::None; // of one light at most
     double shadow_strength = 1;
-    double size_degrees = 3;      // Shadow::Soft: the angle under which the light is seen
-    int shadow_map_pixels = 1024; // along the longer side of what the light sees
+    double size_degrees = 3; // Shadow::Soft: the angle under which the light is seen
+    /// Along the longer side of what the light sees; else as the picture's longer side.
+    std::optional<int> shadow_map_pixels;
 };
 
 /// The shader arrays' size.

@@ -22,6 +22,8 @@ namespace isocast {
 
 namespace {
 
+constexpr int least_shadow_map = 16; // pixels: of which four are its empty border
+
 /// throws  InputError
 void check_look(const Look& look) {
     if (look.lights.size() > max_light_count)
@@ -43,9 +45,10 @@ void check_look(const Look& look) {
         if (!(light->size_degrees >= 0 && light->size_degrees < 180))
             throw InputError(
                 fmt::format("a light of {} degrees: not in [0, 180)", light->size_degrees));
-        if (light->shadow_map_pixels < 16 || light->shadow_map_pixels > gl::max_image_extent())
-            throw InputError(fmt::format("a shadow map of {} pixels: not in 16 ... {}",
-                                         light->shadow_map_pixels, gl::max_image_extent()));
+        const int pixels = light->shadow_map_pixels.value_or(least_shadow_map);
+        if (pixels < least_shadow_map || pixels > gl::max_image_extent())
+            throw InputError(fmt::format("a shadow map of {} pixels: not in {} ... {}", pixels,
+                                         least_shadow_map, gl::max_image_extent()));
     }
     const Occlusion& occlusion = look.effects.occlusion;
     if (occlusion.rays < 1)
@@ -214,7 +217,9 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
                                                       .colwise()
                                                       .norm()
                                                       .maxCoeff());
-        frame.light = light_view(*light, camera, surface_box_world(), margin_world);
+        const int map_pixels = light->shadow_map_pixels.value_or(std::min(
+            std::max({least_shadow_map, width, height}), gl::max_image_extent()));
+        frame.light = light_view(*light, camera, map_pixels, surface_box_world(), margin_world);
     }
     const bool keeps_shadow_map = frame.light && frame.light == shadow_map_;
     if (!keeps_shadow_map) shadow_map_.reset();

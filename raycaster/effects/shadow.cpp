@@ -31,7 +31,7 @@ Mat3d light_from_world(const LightView& light) {
 
 } // namespace
 
-LightView light_view(const Light& light, const Camera& viewer,
+LightView light_view(const Light& light, const Camera& viewer, int pixels,
                      const std::array<Vec3d, 8>& box_world, double margin_world) {
     constexpr int border = 2; // texels at each side; no rounding fills them
     const Vec3d direction = direction_world(light, viewer);
@@ -49,7 +49,7 @@ LightView light_view(const Light& light, const Camera& viewer,
     for (const Vec3d& corner : box_world)
         half = half.cwiseMax((view_from_world * (corner - middle)).cwiseAbs());
     half.array() += margin_world;
-    view.texel_world = 2 * half.head<2>().maxCoeff() / (light.shadow_map_pixels - 2 * border);
+    view.texel_world = 2 * half.head<2>().maxCoeff() / (pixels - 2 * border);
     const auto texels = [&](double half_side) {
         return 2 * border + static_cast<int>(std::ceil(2 * half_side / view.texel_world - 1e-9));
     };

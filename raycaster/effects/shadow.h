@@ -6,12 +6,12 @@
 
 namespace isocast {
 
-/// From where the light sees a box: orthographic, the longer side `light.shadow_map_pixels`, the
+/// From where the light sees a box: orthographic, `pixels` along the longer side, the
 /// outermost texels empty.
 ///
 /// box_world     its eight corners, one the mirror image of another in the middle
 /// margin_world  how far the surface may reach beyond the box
-LightView light_view(const Light& light, const Camera& viewer,
+LightView light_view(const Light& light, const Camera& viewer, int pixels,
                      const std::array<Vec3d, 8>& box_world, double margin_world);
 
 /// Casts the rays of frame.light, and keeps how far they go.

@@ -80,7 +80,7 @@ TEST_F(Occlusions, OfAFloorBesideAWallAreTheSegmentOfTheDisc) {
         nearest = std::min(nearest, share(at));
     }
     EXPECT_GT(count, 300);
-    EXPECT_NEAR(sum / count, 0, 0.3 / rays);
+    EXPECT_NEAR(sum / count, 0, 0.05 / rays);
     EXPECT_LT(nearest, 0.6);
 }
 
@@ -113,9 +113,10 @@ TEST_F(Occlusions, OfAFloorUnderABallAreItsFormFactor) {
     // A closed curve on the disc cuts O(sqrt n) of n even cells, whose errors partly cancel.
     EXPECT_LT(worst_of_few, 3.0 / 16);
     EXPECT_LT(worst_of_many, 6.0 / 256);
-    // Turned from pixel to pixel, errors cancel in the mean.
-    EXPECT_NEAR(mean_of_few, 0, 0.2 / 16);
-    EXPECT_NEAR(mean_of_many, 0, 0.5 / 256);
+    // Turned from pixel to pixel, errors of rays at random would cancel to one in sqrt(1000 pixels)
+    // of a ray's, 0.03, and the same for three times as many cells.
+    EXPECT_NEAR(mean_of_few, 0, 0.05 / 16);
+    EXPECT_NEAR(mean_of_many, 0, 0.1 / 256);
 }
 
 TEST_F(Occlusions, KnowNoOccludersBeyondTheDistance) {
@@ -179,7 +180,7 @@ TEST_F(Occlusions, CountTheRaysThatMeetTheBall) {
     EXPECT_GT(count, 500);
     // Rays that graze the ball within 1e-3, the ball's error on voxels of 0.04: of those that
     // could, 2 pi r 2e-3 of 2 pi, for each of 24 rays; or the floor's normal errs near the ball.
-    EXPECT_LT(different, 0.03 * count);
+    EXPECT_LT(different, 0.01 * count);
 }
 
 TEST_F(Occlusions, AreNumbersWhereTheGradientVanishes) {

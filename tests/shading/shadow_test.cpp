@@ -36,7 +36,7 @@ struct Shadows : Shading {
         shadow = renderer.read(FrameImage::Shadow);
     }
     double texel_world() const {
-        return light_view(renderer.look().lights[0], camera, renderer.surface_box_world(), 0)
+        return light_view(renderer.look().lights[0], camera, 512, renderer.surface_box_world(), 0)
             .texel_world;
     }
     float share(const HitPixel& at) const { return shadow.pixel(at.x, at.y)[0]; }
@@ -82,13 +82,13 @@ TEST_F(Shadows, OfASphereOnAPlaneIsTheAnalyticEllipse) {
     }
     mean /= sum;
     const Eigen::Matrix2d spread = square / sum - mean * mean.transpose();
-    // The cylinder's section: semi-axes r and r / cos of the light's angle. Pixels of 0.01 and
-    // texels of 0.006 sample its border of 1.7 in some 250 independent places: 1e-5 of area, thrice
-    // that.
+    // The cylinder's section: semi-axes r and r / cos of the light's angle. Pixels of 0.01 sample
+    // its border of 1.9: some 190 errors of a tenth of a pixel, since texels' weights smooth it,
+    // are sqrt(190) 0.1 0.01^2 = 1.4e-4 of the area, and 1.4e-4 / 0.27 of a length; two of these.
     const double cosine = slanting.normalized().z();
     const double pi = std::numbers::pi;
     const double pixel = camera.height_world / size;
-    EXPECT_NEAR(sum * pixel * pixel, pi * ball.radius * ball.radius / cosine, 1e-3);
+    EXPECT_NEAR(sum * pixel * pixel, pi * ball.radius * ball.radius / cosine, 3e-4);
     const Vec3d centre = ball.centre - slanting * (ball.centre.z() - floor_z) / slanting.z();
     EXPECT_LT((mean - centre.head<2>()).norm(), 1e-3);
     // An ellipse's points have a variance of a quarter of its semi-axis squared.
@@ -264,17 +264,19 @@ TEST_F(Shadows, DoNotFallIntoABowlThatTheLightSeesWhole) {
     const AnalyticField bowl{
         "bowl", [](const Vec3d& p) { return Jet{.value = radius - (p - Vec3d(0, 0, 1)).norm()}; }};
     camera = {.eye_world = {0.5, 0.3, 4}, .target_world = {0, 0, 0}};
-    cast({.field = sampled(bowl, 48)}, light_from(Vec3d::UnitZ(), Shadow::Hard));
-    // Over a texel's diagonal the bowl rises from its tangent plane by 2 / (2 rho cos^3), and a
-    // footprint of 1 / cos is allowed for.
-    const double least_cosine = std::sqrt(texel_world() / radius);
-    int count = 0;
-    for (const HitPixel& at : hit_pixels(hits, camera)) {
-        if ((1 - at.p.z()) / radius < least_cosine) continue;
-        ++count;
-        EXPECT_EQ(share(at), 1) << at.p.transpose();
+    for (const Shadow kind : {Shadow::Hard, Shadow::Soft}) {
+        cast({.field = sampled(bowl, 48)}, light_from(Vec3d::UnitZ(), kind));
+        // Over a texel's diagonal the bowl rises from its tangent plane by 2 / (2 rho cos^3), and a
+        // footprint of 1 / cos is allowed for.
+        const double least_cosine = std::sqrt(texel_world() / radius);
+        int count = 0;
+        for (const HitPixel& at : hit_pixels(hits, camera)) {
+            if ((1 - at.p.z()) / radius < least_cosine) continue;
+            ++count;
+            EXPECT_EQ(share(at), 1) << at.p.transpose();
+        }
+        EXPECT_GT(count, 1000);
     }
-    EXPECT_GT(count, 1000);
 }
 
 /// The gyroid from outside, in parallel, and from inside one of its labyrinths: light falls through
@@ -314,8 +316,8 @@ TEST_F(Shadows, AgreeWithRaysToTheLightOnTheGyroid) {
         // A texel along each border of a shadow; more where light grazes a hollow, which the
         // footprint allows for.
         EXPECT_GT(judged, 500);
-        EXPECT_LT(leaks, 0.03 * judged);
-        EXPECT_LT(false_shadows, 0.01 * judged);
+        EXPECT_LT(leaks, 0.025 * judged);
+        EXPECT_LT(false_shadows, 0.002 * judged);
     }
 }
 
@@ -464,9 +466,12 @@ TEST_F(Shadows, KeepTheirMapWhileLightAndSceneStay) {
     expect_anew("the light moves");
     renderer.set_iso(0.02);
     expect_anew("the surface moves");
-    look.lights[0].shadow_map_pixels = 256;
+    look.lights[0].shadow_map_pixels.reset();
     renderer.set_look(look);
-    expect_anew("another size");
+    expect_anew("of the picture's size");
+    EXPECT_LE(pass("shadow map").texture_bytes, 4 * size * size);
+    size = 64;
+    expect_anew("of another picture's size");
     look.lights[0].colour = {1, 0.5, 0.2};
     renderer.set_look(look);
     cast();

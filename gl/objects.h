@@ -5,10 +5,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <initializer_list>
 #include <span>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace isocast::gl {
 
@@ -95,17 +95,20 @@ private:
 
 enum class Filter { Nearest, Linear };
 enum class Wrap { Clamp, RepeatX, Repeat };
+enum class Levels { One, All };
 
-/// An immutable 2D or 3D texture with one level, clamped to its edge.
+/// An immutable 2D or 3D texture, clamped to its edge.
 class Texture {
 public:
     Texture() = default;
-    static Texture image(Format format, int width, int height, std::string_view label);
+    static Texture image(Format format, int width, int height, std::string_view label,
+                         Filter filter = Filter::Nearest);
     /// A linearly filtered 2D texture with contents.
     ///
-    /// rgba  4 floats a texel, x fastest
+    /// rgba    4 floats a texel, x fastest
+    /// levels  All: and averages of it, each half as large
     static Texture picture(Format format, int width, int height, std::span<const float> rgba,
-                           Wrap wrap, std::string_view label);
+                           Wrap wrap, std::string_view label, Levels levels = Levels::One);
     static Texture volume(Format format, int width, int height, int depth, Filter filter,
                           std::string_view label);
 
@@ -132,11 +135,12 @@ public:
 
 private:
     Texture(unsigned target, Format format, int width, int height, int depth,
-            std::string_view label);
+            std::string_view label, Filter filter = Filter::Nearest, int level_count = 1);
 
     Handle<delete_texture> handle_;
     Format format_ = Format::Rgba8;
     int size_[3] = {0, 0, 0};
+    int level_count_ = 1;
 };
 
 /// A framebuffer with colour attachments 0, 1, …
@@ -144,7 +148,7 @@ class Framebuffer {
 public:
     Framebuffer() = default;
     /// throws  GlError if the driver finds it incomplete
-    Framebuffer(std::initializer_list<const Texture*> colours, std::string_view label);
+    Framebuffer(const std::vector<const Texture*>& colours, std::string_view label);
     /// For shaders that write to buffers alone.
     static Framebuffer without_attachments(int width, int height, std::string_view label);
     unsigned id() const { return handle_.id(); }

@@ -10,37 +10,31 @@ namespace isocast {
 namespace {
 
 constexpr unsigned environment_unit = 15; // of environment.glsl
-constexpr int builtin_width = 1024; // texels around; stripes are then sharp to a third of a degree
-
-/// The rows of an image from the bottom up.
-std::vector<float> bottom_up(const Image& image) {
-    std::vector<float> texels;
-    texels.reserve(image.rgba.size());
-    for (int y = image.height - 1; y >= 0; --y)
-        texels.insert(texels.end(), image.pixel(0, y), image.pixel(0, y) + 4 * image.width);
-    return texels;
-}
+// Texels from pole to pole; the built-in ones do not change around the axis. A step is then sharp
+// to a tenth of a degree.
+constexpr int builtin_height = 2048;
 
 gl::Texture environment_texture(const Environment& environment) {
     if (environment.kind == Environment::Kind::Picture)
         return gl::Texture::picture(gl::Format::Rgba16f, environment.picture.width,
                                     environment.picture.height, bottom_up(environment.picture),
-                                    gl::Wrap::RepeatX, "environment");
-    constexpr int height = builtin_width / 2;
+                                    gl::Wrap::RepeatX, "environment", gl::Levels::All);
     std::vector<float> texels;
-    texels.reserve(std::size_t{4} * builtin_width * height);
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < builtin_width; ++x) {
-            const double latitude = ((y + 0.5) / height - 0.5) * std::numbers::pi;
-            const double longitude = ((x + 0.5) / builtin_width - 0.5) * 2 * std::numbers::pi;
-            const Vec3d colour = builtin_environment(
-                environment, {std::cos(latitude) * std::sin(longitude), std::sin(latitude),
-                              -std::cos(latitude) * std::cos(longitude)});
-            for (const double c : {colour.x(), colour.y(), colour.z(), 1.0})
-                texels.push_back(static_cast<float>(c));
+    for (int y = 0; y < builtin_height; ++y) {
+        constexpr int samples = 16; // of a texel: steps then lie where they should
+        Vec3d colour = Vec3d::Zero();
+        for (int i = 0; i < samples; ++i) {
+            const double latitude =
+                ((y + (i + 0.5) / samples) / builtin_height - 0.5) * std::numbers::pi;
+            colour +=
+                builtin_environment(environment, {0, std::sin(latitude), -std::cos(latitude)}) /
+                samples;
         }
-    return gl::Texture::picture(gl::Format::Rgba16f, builtin_width, height, texels,
-                                gl::Wrap::RepeatX, "environment");
+        for (const double c : {colour.x(), colour.y(), colour.z(), 1.0})
+            texels.push_back(static_cast<float>(c));
+    }
+    return gl::Texture::picture(gl::Format::Rgba16f, 1, builtin_height, texels, gl::Wrap::RepeatX,
+                                "environment", gl::Levels::All);
 }
 
 } // namespace

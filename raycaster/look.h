@@ -34,7 +34,8 @@ struct Light {
     Shadow shadow = Shadow::None; // of one light at most
     double shadow_strength = 1;
     double size_degrees = 3; // Shadow::Soft: the angle under which the light is seen
-    /// Along the longer side of what the light sees; else as the picture's longer side.
+    /// Along the longer side of what the light sees; else as the picture's longer side, 4096 at
+    /// most.
     std::optional<int> shadow_map_pixels;
 };
 
@@ -69,12 +70,14 @@ struct Environment {
 struct SolidTexture {
     double strength = 0;
     enum class Kind { Checker, Stripes, Marble, Wood, Volume } kind = Kind::Marble;
-    double scale_world = 0.25; // one period
-    Vec3d axis = Vec3d::UnitY();
+    std::optional<double> scale_world; // one period; else 1/12 of the field's diagonal
+    Vec3d origin_world = Vec3d::Zero();
+    Vec3d axis = Vec3d::UnitY(); // across stripes and marble's veins, along the trunk
     Vec3d colour_a = Vec3d(0.85, 0.82, 0.75);
     Vec3d colour_b = Vec3d(0.20, 0.13, 0.09);
-    std::shared_ptr<const FieldSource> volume; // Kind::Volume: 0 is colour_a, 1 colour_b
-    std::string volume_filter = "bspline";     // or "linear"
+    /// Kind::Volume: 0 is colour_a, 1 colour_b; it lies where its own grid says.
+    std::shared_ptr<const FieldSource> volume;
+    std::string volume_filter = "bspline"; // of its samples, as they are; or "linear"
 };
 
 enum class CurvatureMeasure { K1, K2, Mean, Gauss, ShapeIndex, Curvedness };
@@ -130,17 +133,20 @@ struct Ridges {
 /// gradient [Kindlmann et al. 2003, section 4.3].
 struct Uncertainty {
     double strength = 0;
-    std::optional<double> range; // of flow-line curvature [1/world] that is certain to be uncertain
+    std::optional<double> range; // flow-line curvature of full uncertainty [1/world]
+    /// Half of it is where weak gradients begin to count; else the picture's median.
+    std::optional<double> typical_gradient;
     Vec3d colour = Vec3d(0.8, 0.1, 0.1);
 };
 
-/// Lines along a principal direction: line-integral convolution of a noise in space.
+/// Lines along a principal direction: line-integral convolution of a noise in space, as a factor of
+/// the surface's colour.
 struct Flow {
     double strength = 0;
     int direction = 1; // of k1 or k2
     double length_pixels = 20;
     double grain_pixels = 1.5;
-    std::optional<double> phase; // in [0, 1): a travelling kernel, for animations
+    std::optional<double> phase; // with period 1: the kernel travels along the lines
 };
 
 struct Reflection {
@@ -156,8 +162,8 @@ struct Refraction {
 /// Sobel edges of depth and normals (thesis section 7.3.3).
 struct Outlines {
     double strength = 0;
-    double silhouette_threshold = 0.02; // of depth, relative to the object's size
-    double crease_threshold = 0.8;      // of normals
+    double silhouette_threshold = 0.02; // a step in depth, relative to the field's diagonal
+    double crease_threshold = 0.8;      // the length of a step in unit normals
     Vec3d colour = Vec3d::Zero();
 };
 

@@ -15,7 +15,7 @@ constexpr int first_layer_unit =
     2; // of shaders/shading/layers.glsl; the environment has the last, 15
 
 gl::ProgramKey shading_program(ShadingModel model, bool shows_environment, std::size_t lights,
-                               const std::map<Blend, std::size_t>& counts) {
+                               std::size_t objects, const std::map<Blend, std::size_t>& counts) {
     const auto count = [&](Blend blend) {
         const auto found = counts.find(blend);
         return std::to_string(found == counts.end() ? 0 : found->second);
@@ -24,7 +24,9 @@ gl::ProgramKey shading_program(ShadingModel model, bool shows_environment, std::
             {{"MODEL", std::to_string(static_cast<int>(model))},
              {"SHOWS_ENVIRONMENT", shows_environment ? "1" : "0"},
              {"LIGHTS", std::to_string(model == ShadingModel::Flat ? 0 : lights)},
+             {"OBJECTS", std::to_string(objects)},
              {"SURFACE_LAYERS", count(Blend::SurfaceColour)},
+             {"SURFACE_FACTORS", count(Blend::SurfaceFactor)},
              {"AMBIENT_FACTORS", count(Blend::AmbientLight)},
              {"SHADOWS", count(Blend::DirectLight)},
              {"OVERLAYS", count(Blend::Overlay)}}};
@@ -61,7 +63,7 @@ std::vector<Layer> layers_of(const Look& look) {
         {FrameImage::CurvatureColour, Blend::SurfaceColour, e.curvature_colour.strength},
         {FrameImage::CurvatureMap, Blend::SurfaceColour, e.curvature_map.strength},
         {FrameImage::Uncertainty, Blend::SurfaceColour, e.uncertainty.strength},
-        {FrameImage::Flow, Blend::SurfaceColour, e.flow.strength},
+        {FrameImage::Flow, Blend::SurfaceFactor, e.flow.strength},
         {FrameImage::Ridges, Blend::SurfaceColour, e.ridges.strength},
         {FrameImage::Accessibility, Blend::SurfaceColour, e.accessibility.strength},
         {FrameImage::Occlusion, Blend::AmbientLight, e.occlusion.strength},
@@ -91,24 +93,32 @@ void run_shading(FrameContext& frame) {
     const std::vector<Layer> layers = live_layers(frame);
     std::map<Blend, std::size_t> counts;
     for (const Layer& layer : layers) ++counts[layer.blend];
-    const gl::Program& program = frame.shaders.program(
-        shading_program(look.model, look.shows_environment, look.lights.size(), counts));
+    const gl::Program& program = frame.shaders.program(shading_program(
+        look.model, look.shows_environment, look.lights.size(), frame.objects.size(), counts));
 
     frame.targets.texture(FrameImage::Hit).bind_to_unit(0);
     int unit = first_layer_unit;
     std::map<Blend, int> numbers;
     for (const Layer& layer : layers) {
         frame.targets.texture(layer.image).bind_to_unit(static_cast<unsigned>(unit++));
-        const char* name = layer.blend == Blend::SurfaceColour  ? "u_surface_strengths"
-                           : layer.blend == Blend::AmbientLight ? "u_ambient_strengths"
-                           : layer.blend == Blend::DirectLight  ? "u_shadow_strengths"
-                                                                : "u_overlay_strengths";
+        const char* name = layer.blend == Blend::SurfaceColour   ? "u_surface_strengths"
+                           : layer.blend == Blend::SurfaceFactor ? "u_factor_strengths"
+                           : layer.blend == Blend::AmbientLight  ? "u_ambient_strengths"
+                           : layer.blend == Blend::DirectLight   ? "u_shadow_strengths"
+                                                                 : "u_overlay_strengths";
         program.set(fmt::format("{}[{}]", name, numbers[layer.blend]++).c_str(),
                     static_cast<float>(layer.strength));
     }
 
     const Material& material = look.material;
-    program.set("u_colour", to_float(material.colour));
+    for (std::size_t i = 0; i < frame.objects.size(); ++i) {
+        const FieldObject& object = frame.objects[i].object;
+        const Vec3d colour = object.colour.value_or(material.colour);
+        program.set(fmt::format("u_colours[{}]", i).c_str(), to_float(colour));
+        if (frame.objects.size() > 1)
+            program.set(fmt::format("u_colours[{}]", frame.objects.size() + i).c_str(),
+                        to_float(object.cut_colour.value_or(colour)));
+    }
     if (look.model != ShadingModel::Flat) {
         frame.targets.texture(FrameImage::Gradient).bind_to_unit(1);
         for (std::size_t i = 0; i < look.lights.size(); ++i) {
@@ -158,8 +168,9 @@ std::vector<gl::ProgramKey> shading_programs() {
             for (const std::size_t count : {0, 1, 3}) {
                 const std::size_t factors = model == ShadingModel::Flat ? 0 : count;
                 keys.push_back(
-                    shading_program(model, shows_environment, 1 + count,
+                    shading_program(model, shows_environment, 1 + count, count == 1 ? 2 : 1,
                                     {{Blend::SurfaceColour, count},
+                                     {Blend::SurfaceFactor, count},
                                      {Blend::AmbientLight, factors},
                                      {Blend::DirectLight, std::min<std::size_t>(1, factors)},
                                      {Blend::Overlay, count}}));

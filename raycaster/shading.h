@@ -9,6 +9,7 @@ namespace isocast {
 /// What shading does with an effect's image.
 enum class Blend {
     SurfaceColour, // before light: colours are mixed by coverage
+    SurfaceFactor, // then r times the colour, by coverage
     AmbientLight,  // r times the ambient light
     DirectLight,   // r times the light that casts shadows
     Overlay,       // after light: colours are mixed by coverage

@@ -20,6 +20,8 @@ gl::ProgramKey occlusion_program(std::map<std::string, std::string> defines) {
 void run_occlusion(FrameContext& frame) {
     const Occlusion& occlusion = frame.scene.look.effects.occlusion;
     const FieldOnGpu& field = frame.field;
+    if (is_composed(frame.scene))
+        throw InputError("ambient occlusion is for one object; composed ones have none yet");
     if (!field.pool().holds_all())
         throw ResourceError("all bricks must fit the texture budget for ambient occlusion");
     const gl::Program& program = frame.shaders.program(occlusion_program(field.pool().defines()));
@@ -44,7 +46,7 @@ void run_occlusion(FrameContext& frame) {
     program.set("u_distance_world", static_cast<float>(distance));
     // 1/64 voxel: hits are known to 1e-5, and coordinates of a thousand voxels to 6e-5.
     program.set("u_lift_world",
-                static_cast<float>(frame.scene.field->space().voxel_size_world() / 64));
+                static_cast<float>(frame.object.field->space().voxel_size_world() / 64));
     draw_tiles(frame, FrameImage::Occlusion, program, {1, 0, 0, 0});
 }
 

@@ -63,10 +63,25 @@ LightView light_view(const Light& light, const Camera& viewer, int pixels,
 void run_shadow_map(FrameContext& frame) {
     const LightView& light = *frame.light;
     FrameTargets targets; // gone with this pass
-    const PlacesOnGpu places = frame.find_places(light.camera, light.width, light.height);
-    FrameContext of_light{
-        frame.shaders, frame.no_vertices, frame.scene,  frame.field, frame.derivative_field, places,
-        light.camera,  light.width,       light.height, targets,     frame.look_textures};
+    const std::vector<FrameObject> objects =
+        frame.find_objects(light.camera, light.width, light.height);
+    const PlacesOnGpu places_of_all = is_composed(frame.scene)
+                                          ? union_of_places(objects, light.width, light.height)
+                                          : PlacesOnGpu();
+    FrameContext of_light{frame.shaders,
+                          frame.no_vertices,
+                          frame.scene,
+                          frame.object,
+                          frame.field,
+                          frame.derivative_field,
+                          frame.curvature_field,
+                          is_composed(frame.scene) ? places_of_all : objects.front().places,
+                          light.camera,
+                          light.width,
+                          light.height,
+                          targets,
+                          frame.look_textures,
+                          objects};
     cast_rays(of_light);
     const gl::Program& program = frame.shaders.program(depth_program());
     targets.texture(FrameImage::Hit).bind_to_unit(0);

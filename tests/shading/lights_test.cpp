@@ -69,6 +69,31 @@ TEST_F(Lights, GoochIsWarmTowardsTheLightAndCoolAwayFromIt) {
     EXPECT_LT(bottom, 0.0);
 }
 
+TEST_F(Lights, GoochIsThePapersEquation) {
+    Scene scene{.field = sphere};
+    scene.look.model = ShadingModel::Gooch;
+    scene.look.lights = {{.direction = {0.3, 1, 0.4}, .is_in_view_space = false}};
+    scene.look.material.specular = 0;
+    renderer.load(scene);
+    renderer.draw(camera, size, size, {FrameImage::Hit, FrameImage::Beauty});
+    const Image hits = renderer.read(FrameImage::Hit);
+    const Image image = renderer.read(FrameImage::Beauty);
+    const Vec3d to_light = scene.look.lights[0].direction.normalized();
+    // Eqs 2 and 3, the warm tone towards the light: blue, yellow, alpha, beta and k_d.
+    const GoochTones& tones = scene.look.tones;
+    const Vec3d cool = tones.cool + tones.cool_share * scene.look.material.colour;
+    const Vec3d warm = tones.warm + tones.warm_share * scene.look.material.colour;
+    for (std::size_t i = 0; i < hits.rgba.size(); i += 4) {
+        if (hits.rgba[i + 3] == 0) continue;
+        const Vec3d p = camera.eye_world + Vec3d(hits.rgba[i], hits.rgba[i + 1], hits.rgba[i + 2]);
+        const double share = (1 + to_light.dot(p.normalized())) / 2;
+        const Vec3d expected = share * warm + (1 - share) * cool;
+        // Normals at 15.7 voxels a radius err by 3/4/15.7^3, 2e-4 of a tone at most.
+        for (std::size_t c = 0; c < 3; ++c)
+            ASSERT_NEAR(image.rgba[i + c], expected[int(c)], 2e-4 + half_rounding);
+    }
+}
+
 TEST_F(Lights, ThatMovesWithTheCameraDiffersFromOneThatStays) {
     Scene scene{.field = sphere};
     const Vec3d right(1, 0, 0);

@@ -1,6 +1,7 @@
 // Ambient occlusion: the share of a sky of even light that is seen, by rays through the field.
 // SPDX-License-Identifier: MPL-2.0
 #version 450 core
+#include "common/pixel.glsl"
 #include "raycast/march.glsl"
 #include "raycast/walk.glsl"
 #include "shading/disc.glsl"
@@ -60,7 +61,7 @@ void main() {
     vec4 hit = texelFetch(t_hit, pixel, 0);
     vec3 gradient = texelFetch(t_gradient, pixel, 0).xyz;
     float length_g = length(gradient);
-    float side = dot(gradient, u_ray_vector * vec3(1.0, gl_FragCoord.xy)) > 0.0 ? -1.0 : 1.0;
+    float side = dot(gradient, u_ray_vector * vec3(1.0, picture_pixel())) > 0.0 ? -1.0 : 1.0;
     vec3 n = side * gradient / max(length_g, 1e-30); // 1e-30: no division by zero
     // Tangents without cancellation whatever the normal: Duff et al., JCGT 2017.
     float s = n.z < 0.0 ? -1.0 : 1.0;
@@ -69,7 +70,7 @@ void main() {
     vec3 u = vec3(1.0 + s * n.x * n.x * a, s * b, -s * n.x);
     vec3 v = vec3(b, s + n.y * n.y * a, -n.y);
     vec3 point = u_eye_local + u_index_from_world * (hit.xyz + u_lift_world * n) - u_table_lo;
-    float turns = turns_of_pixel(gl_FragCoord.xy);
+    float turns = turns_of_pixel(picture_pixel());
     Accuracy accuracy = accuracy_of_frame();
     // Where the gradient vanishes there is no sky to look at.
     int count = hit.w != 0.0 && length_g > 0.0 ? u_rays : 0;

@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: MPL-2.0
 // docs  docs/shadows.md
 #version 450 core
+#include "common/pixel.glsl"
 #include "shading/disc.glsl"
 
 layout(binding = 0) uniform sampler2D t_hit;
@@ -104,7 +105,7 @@ void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec4 hit = texelFetch(t_hit, pixel, 0);
     vec3 gradient = texelFetch(t_gradient, pixel, 0).xyz;
-    vec3 direction = u_ray_vector * vec3(1.0, gl_FragCoord.xy);
+    vec3 direction = u_ray_vector * vec3(1.0, picture_pixel());
     // As in shading.frag: where the gradient vanishes, and seen from inside.
     vec3 normal = dot(gradient, gradient) > 0.0 ? gradient : -direction;
     normal = u_light_from_world * (dot(normal, direction) > 0.0 ? -normal : normal);
@@ -115,7 +116,7 @@ void main() {
         vec2 slope = -normal.xy / normal.z;
         Receiver r = Receiver(u_light_from_world * hit.xyz + u_eye_light, slope,
                               sqrt(1.0 + dot(slope, slope)));
-        o_shadow = filtered(r, turns_of_pixel(gl_FragCoord.xy));
+        o_shadow = filtered(r, turns_of_pixel(picture_pixel()));
         is_facing = o_shadow.y < 0.0; // never
     }
 }

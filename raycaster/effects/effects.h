@@ -1,0 +1,46 @@
+// The effects that a look can ask for: each is a pass that makes one image.
+// SPDX-License-Identifier: MPL-2.0
+#pragma once
+
+#include "raycaster/frame.h"
+
+namespace isocast {
+
+void run_contours(FrameContext& frame);
+void run_ridges(FrameContext& frame);
+void run_uncertainty(FrameContext& frame);
+/// Normals and depths in the form that outlines are found in.
+void run_outline_source(FrameContext& frame);
+void run_outlines(FrameContext& frame);
+
+std::vector<gl::ProgramKey> contours_programs();
+std::vector<gl::ProgramKey> ridges_programs();
+std::vector<gl::ProgramKey> uncertainty_programs();
+std::vector<gl::ProgramKey> outlines_programs();
+void run_solid_texture(FrameContext& frame);
+void run_curvature_colour(FrameContext& frame);
+void run_curvature_map(FrameContext& frame);
+void run_accessibility(FrameContext& frame);
+void run_refraction(FrameContext& frame);
+void run_reflection(FrameContext& frame);
+
+/// throws  InputError if it has no volume where it should, or one that does not fit a texture, or
+/// an
+///         unknown filter
+void check_solid_texture(const SolidTexture& texture);
+
+/// The images that a solid texture reads: what filters by the pixel's footprint needs normals.
+ImageSet solid_texture_reads(const SolidTexture& texture);
+
+/// Binds the hits and their gradients, and sets the rays, of shaders/shading/surface.glsl.
+void set_surface_uniforms(const gl::Program& program, const FrameContext& frame);
+
+// The programs that each can ask for.
+std::vector<gl::ProgramKey> solid_texture_programs();
+std::vector<gl::ProgramKey> curvature_colour_programs();
+std::vector<gl::ProgramKey> curvature_map_programs();
+std::vector<gl::ProgramKey> accessibility_programs();
+std::vector<gl::ProgramKey> refraction_programs();
+std::vector<gl::ProgramKey> reflection_programs();
+
+} // namespace isocast

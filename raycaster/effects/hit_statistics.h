@@ -1,0 +1,28 @@
+// Sizes that a scene and its picture suggest where a look leaves them open.
+// SPDX-License-Identifier: MPL-2.0
+#pragma once
+
+#include "raycaster/frame.h"
+
+namespace isocast {
+
+/// Of FrameImage::Curvature: the gradient vanishes there.
+inline constexpr float no_gradient = 2;
+
+/// Length of the longest diagonal of an object's extent [world].
+double extent_diagonal_world(const FrameContext& frame);
+
+/// A curvature that nobody sees: a radius of a hundred objects, which across the object makes a
+/// bulge of an 800th of it [1/world].
+inline double flat_curvature(const FrameContext& frame) {
+    return 1e-2 / extent_diagonal_world(frame);
+}
+
+/// The least value that a `share` of the hits do not exceed; nothing in a picture without hits.
+///
+/// image    an image of the frame that has been drawn, as Hit has
+/// measure  of a pixel's four floats; may give nothing: that hit does not count
+std::optional<double> percentile(FrameContext& frame, FrameImage image, double share,
+                                 const std::function<std::optional<double>(const float*)>& measure);
+
+} // namespace isocast

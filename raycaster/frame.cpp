@@ -48,7 +48,7 @@ void draw_runs(const FrameContext& frame, const gl::Program& program, const Numb
                int run_count) {
     set_fixed_state();
     frame.no_vertices.bind();
-    runs.texture.bind_to_unit(7);
+    runs.texture.bind_to_unit(31);
     program.set("u_clip_from_tile",
                 Eigen::Vector2f(2.0F * tile_pixels / static_cast<float>(frame.part.width),
                                 2.0F * tile_pixels / static_cast<float>(frame.part.height)));

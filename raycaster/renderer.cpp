@@ -218,11 +218,9 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
                                                       .colwise()
                                                       .norm()
                                                       .maxCoeff());
-        frame.light =
-            light_view(*light, camera,
-                       light->shadow_map_pixels.value_or(std::clamp(
-                           std::max(width, height), least_shadow_map, default_shadow_map)),
-                       surface_box_world(), margin_world);
+        const int map_pixels = light->shadow_map_pixels.value_or(
+            std::clamp(std::max(width, height), least_shadow_map, default_shadow_map));
+        frame.light = light_view(*light, camera, map_pixels, surface_box_world(), margin_world);
     }
     const bool keeps_shadow_map = frame.light && frame.light == shadow_map_;
     if (!keeps_shadow_map) shadow_map_.reset();

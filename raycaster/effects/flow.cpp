@@ -28,7 +28,7 @@ double pixels_per_world(const FrameContext& frame) {
 
 void run_flow_noise(FrameContext& frame) {
     const Camera& camera = frame.camera;
-    const GridSpace& space = frame.scene.field->space();
+    const GridSpace& space = frame.object.field->space();
     const double grain = frame.scene.look.effects.flow.grain_pixels / pixels_per_world(frame);
     const bool is_perspective = camera.projection == Projection::Perspective;
     Eigen::Vector4d grain_at = Eigen::Vector4d::UnitW();
@@ -37,7 +37,7 @@ void run_flow_noise(FrameContext& frame) {
     // Integers hold the eye's cell where cells are 2^-30 of its distance at least; and of hits
     // nearer to it than 2^-10 of that the grain does not shrink any more.
     const Vec3d eye = camera.eye_world - space.world_from_index.translation();
-    const Index3 extent = frame.scene.field->extent().size();
+    const Index3 extent = frame.object.field->extent().size();
     const double reach =
         eye.norm() + (space.world_from_index.linear() * extent.cast<double>()).norm();
     const double finest_grain = is_perspective ? grain * reach * 0x1p-10 : grain;

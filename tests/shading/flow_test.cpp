@@ -113,6 +113,22 @@ TEST_F(FlowPictures, FollowTheMeridiansWhereVoxelsAreNoCubes) {
     EXPECT_LT(variation_along(*this, meridian_at), 0.1);
 }
 
+/// The torus of the other tests with a cylinder through its hole, of another grid.
+TEST_F(FlowPictures, FollowEachOfTheObjects) {
+    Scene scene{.objects = {{.field = sampled(torus, 48)},
+                            {.field = sampled(builtin_field("cylinder"), 41)}}};
+    draw_flow(scene);
+    int on_cylinder = 0;
+    for (std::size_t i = 0; i < hits.rgba.size(); i += 4)
+        if (hits.rgba[i + 3] == 2) {
+            on_cylinder += flow.rgba[i + 3] > 0.9F ? 1 : 0;
+            // The torus is taken alone: lines end where it does.
+            flow.rgba[i + 3] = 0;
+        }
+    EXPECT_GT(on_cylinder, 300);
+    EXPECT_LT(variation_along(*this, meridian_at), 0.1);
+}
+
 struct Correlation {
     double sum = 0, sum_a = 0, sum_b = 0, sum_aa = 0, sum_bb = 0, sum_ab = 0;
     void add(double a, double b) {

@@ -75,7 +75,7 @@ void main() {
     for (int side = -1; side <= 1; side += 2) {
         vec3 p = hit.xyz;
         vec3 d = float(side) * middle.xyz;
-        vec2 at = gl_FragCoord.xy;
+        vec2 at = vec2(pixel) + 0.5;
         for (int i = 1; i <= u_steps; ++i) {
             // How d moves in the picture [pixels/world].
             vec3 q = u_screen * p + vec3(0.0, 0.0, u_depth);

@@ -21,7 +21,7 @@ uniform vec3 u_colour;
 out vec4 o_outlines; // linear RGB, coverage
 
 vec4 corner(float x, float y) {
-    return textureLod(t_source, (gl_FragCoord.xy + vec2(x, y)) / vec2(textureSize(t_source, 0)), 0.0);
+    return textureLod(t_source, (vec2(ivec2(gl_FragCoord.xy)) + 0.5 + vec2(x, y)) / vec2(textureSize(t_source, 0)), 0.0);
 }
 
 // Clamped and linear, half at the threshold.

@@ -57,7 +57,7 @@ TEST_F(EdgeLines, AreSobelsStencilByFourFetches) {
         const Scene scene{.field = sampled(builtin_field("gyroid"), 40)};
         draw_outlines(scene);
         const Outlines& look = scene.look.effects.outlines;
-        const double threshold = look.silhouette_threshold * 2 * std::sqrt(3.0) * 40 / 39;
+        const double threshold = look.silhouette_threshold * 2 * std::sqrt(3.0); // of the extent
         const bool is_perspective = projection == Projection::Perspective;
         const Mat3d rotation = camera.view_from_world_rotation();
         const double pixel = 2 * camera.half_height_at(1) / size;

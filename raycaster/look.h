@@ -34,7 +34,8 @@ struct Light {
     Shadow shadow = Shadow::None; // of one light at most
     double shadow_strength = 1;
     double size_degrees = 3; // Shadow::Soft: the angle under which the light is seen
-    /// Along the longer side of what the light sees; else as the picture's longer side.
+    /// Along the longer side of what the light sees; else as the picture's longer side, 4096 at
+    /// most.
     std::optional<int> shadow_map_pixels;
 };
 

@@ -22,7 +22,8 @@ namespace isocast {
 
 namespace {
 
-constexpr int least_shadow_map = 16; // pixels: of which four are its empty border
+constexpr int least_shadow_map = 16;     // pixels: of which four are its empty border
+constexpr int default_shadow_map = 4096; // at most: its hits are 256 MiB while they are cast
 
 /// throws  InputError
 void check_look(const Look& look) {
@@ -217,8 +218,8 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
                                                       .colwise()
                                                       .norm()
                                                       .maxCoeff());
-        const int map_pixels = light->shadow_map_pixels.value_or(std::min(
-            std::max({least_shadow_map, width, height}), gl::max_image_extent()));
+        const int map_pixels = light->shadow_map_pixels.value_or(
+            std::clamp(std::max(width, height), least_shadow_map, default_shadow_map));
         frame.light = light_view(*light, camera, map_pixels, surface_box_world(), margin_world);
     }
     const bool keeps_shadow_map = frame.light && frame.light == shadow_map_;

@@ -14,29 +14,30 @@ gl::ProgramKey accessibility_program() {
     return {{"common/tiles.vert", "shading/accessibility/accessibility.frag"}, {}};
 }
 
-/// A ball of this radius just fits into the tightest 5 % of the picture's concave places.
-double radius_of(FrameContext& frame) {
+/// A ball of this radius does not fit into the tightest 5 % of the picture's concave places.
+/// Nothing where none of these is seen.
+std::optional<double> radius_of(FrameContext& frame) {
     const double flat = flat_curvature(*frame.scene.field);
     const auto found = frame.look_textures.range("accessibility", [&] {
         return curvature_percentiles(frame, 0, 0.95, [&](double, double k2) {
             return k2 < -flat ? std::optional(-k2) : std::nullopt;
         });
     });
-    return found ? 1 / (*found)[1] : 1 / flat;
+    if (!found) return std::nullopt;
+    const double radius = 1 / (*found)[1];
+    frame.notes.push_back(
+        fmt::format("accessibility: black where a ball of {:.4g} does not fit", radius));
+    return radius;
 }
 
 } // namespace
 
 void run_accessibility(FrameContext& frame) {
     const Accessibility& accessibility = frame.scene.look.effects.accessibility;
-    const double radius =
-        accessibility.radius_world ? *accessibility.radius_world : radius_of(frame);
-    if (!accessibility.radius_world)
-        frame.notes.push_back(
-            fmt::format("accessibility: black where a ball of {:.4g} does not fit", radius));
+    const auto radius = accessibility.radius_world ? accessibility.radius_world : radius_of(frame);
     const gl::Program& program = frame.shaders.program(accessibility_program());
     frame.targets.texture(FrameImage::Curvature).bind_to_unit(0);
-    program.set("u_radius", static_cast<float>(radius));
+    program.set("u_radius", static_cast<float>(radius.value_or(0)));
     draw_tiles(frame, FrameImage::Accessibility, program, Eigen::Vector4f::Zero());
 }
 

@@ -15,7 +15,7 @@ inline double flat_curvature(const FieldSource& field) {
     return 1e-2 / extent_diagonal_world(field);
 }
 
-/// The values of `measure` of (k1, k2) that `low` and `high` of the picture's hits do not exceed.
+/// The values of `measure` of (k1, k2) that the shares `low` and `high` of the hits do not exceed.
 ///
 /// measure  may give nothing: that hit does not count, nor do those without a gradient
 /// returns  nothing where no hit counts

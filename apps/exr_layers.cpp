@@ -43,92 +43,115 @@ Eigen::Matrix4d ndc_from_camera(const Camera& camera, double aspect) {
 
 ExrLayers exr_layers_from(std::string_view list) {
     ExrLayers layers;
+    const std::map<std::string_view, bool*> known{
+        {"P", &layers.position},   {"N", &layers.normal},     {"curvature", &layers.curvature},
+        {"T", &layers.directions}, {"AO", &layers.occlusion}, {"shadow", &layers.shadow},
+        {"id", &layers.id}};
     for (;;) {
         const auto comma = list.find(',');
-        const std::string_view name = list.substr(0, comma);
-        if (name == "P")
-            layers.position = true;
-        else if (name == "N")
-            layers.normal = true;
-        else if (name == "curvature")
-            layers.curvature = true;
-        else
-            throw UsageError(fmt::format("unknown output '{}' (known: P, N, curvature)", name));
+        const auto layer = known.find(list.substr(0, comma));
+        if (layer == known.end())
+            throw UsageError(fmt::format("unknown output '{}' (known: {})", list.substr(0, comma),
+                                         exr_layer_names));
+        *layer->second = true;
         if (comma == std::string_view::npos) return layers;
         list.remove_prefix(comma + 1);
     }
 }
 
-ExrImage exr_image(const FrameImages& frame, const Camera& camera, const ExrLayers& layers) {
-    ExrImage exr{.width = frame.hit.width,
-                 .height = frame.hit.height,
+std::vector<FrameImage> images_of(const ExrLayers& layers) {
+    std::vector<FrameImage> images{FrameImage::Hit};
+    if (layers.normal || layers.directions) images.push_back(FrameImage::Gradient);
+    if (layers.curvature) images.push_back(FrameImage::Curvature);
+    if (layers.directions) images.push_back(FrameImage::Direction);
+    if (layers.occlusion) images.push_back(FrameImage::Occlusion);
+    if (layers.shadow) images.push_back(FrameImage::Shadow);
+    return images;
+}
+
+ExrImage exr_image(const FrameImages& frame, const Camera& camera, const ExrLayers& layers,
+                   const std::optional<double>& aspect) {
+    const Image& hits = frame.at(FrameImage::Hit);
+    ExrImage exr{.width = hits.width,
+                 .height = hits.height,
                  .channels = {},
                  .strings = {},
                  .floats = {},
                  .matrices = {}};
-    const std::size_t count = frame.hit.rgba.size() / 4;
-    const auto channel = [&](const std::string& name, bool as_half = false) -> auto& {
-        ExrChannel& made = exr.channels[name];
-        made.as_half = as_half;
-        made.values.assign(count, 0.0f);
-        return made.values;
+    const std::size_t count = hits.rgba.size() / 4;
+    const auto is_hit = [&](std::size_t i) { return hits.rgba[4 * i + 3] != 0; };
+    /// A channel with value(i) where pixel i is a hit, and 0 elsewhere.
+    const auto add = [&](const std::string& name, auto value) -> std::vector<float>& {
+        std::vector<float>& values = exr.channels[name].values;
+        values.assign(count, 0.0f);
+        for (std::size_t i = 0; i < count; ++i)
+            if (is_hit(i)) values[i] = static_cast<float>(value(i));
+        return values;
+    };
+    const auto vector = [](const Image& image, std::size_t i) {
+        return Vec3d(image.rgba[4 * i], image.rgba[4 * i + 1], image.rgba[4 * i + 2]);
+    };
+    const auto add_vector = [&](const std::string& name, auto value) {
+        for (const int axis : {0, 1, 2})
+            add(fmt::format("{}.{}", name, "XYZ"[axis]),
+                [&](std::size_t i) { return value(i)[axis]; });
     };
 
-    for (std::size_t c = 0; c < 4; ++c) {
-        auto& values = channel(std::string(1, "RGBA"[c]), true);
-        for (std::size_t i = 0; i < count; ++i) {
-            const float coverage = frame.beauty.rgba[4 * i + 3];
-            values[i] = c == 3 ? coverage : coverage * frame.beauty.rgba[4 * i + c];
-        }
-    }
-
-    const Mat3d rotation = camera.view_from_world_rotation();
-    auto& z = channel("Z");
-    for (std::size_t i = 0; i < count; ++i) {
-        const float* hit = &frame.hit.rgba[4 * i];
-        z[i] = hit[3] != 0 ? static_cast<float>(-rotation.row(2).dot(Vec3d(hit[0], hit[1], hit[2])))
-                           : std::numeric_limits<float>::infinity();
-    }
-
-    constexpr const char* axes[] = {"X", "Y", "Z"};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        if (layers.position) {
-            auto& p = channel(fmt::format("P.{}", axes[axis]));
-            const double eye = camera.eye_world[static_cast<int>(axis)];
+    if (const auto beauty = frame.find(FrameImage::Beauty); beauty != frame.end())
+        for (std::size_t c = 0; c < 4; ++c) {
+            ExrChannel& channel = exr.channels[std::string(1, "RGBA"[c])];
+            channel.as_half = true;
             for (std::size_t i = 0; i < count; ++i)
-                if (frame.hit.rgba[4 * i + 3] != 0)
-                    p[i] = static_cast<float>(eye + double{frame.hit.rgba[4 * i + axis]});
+                channel.values.push_back(beauty->second.rgba[4 * i + c]);
         }
-        if (layers.normal) {
-            auto& n = channel(fmt::format("N.{}", axes[axis]));
-            for (std::size_t i = 0; i < count; ++i) {
-                const float* g = &frame.gradient.rgba[4 * i];
-                const double length = Vec3d(g[0], g[1], g[2]).norm();
-                if (length > 0) n[i] = static_cast<float>(g[axis] / length);
-            }
-        }
-    }
+    const Mat3d rotation = camera.view_from_world_rotation();
+    std::vector<float>& z =
+        add("Z", [&](std::size_t i) { return -rotation.row(2).dot(vector(hits, i)); });
+    for (std::size_t i = 0; i < count; ++i)
+        if (!is_hit(i)) z[i] = std::numeric_limits<float>::infinity();
 
-    if (layers.curvature) {
-        const auto add = [&](const char* name, CurvatureMeasure measure) {
-            auto& values = channel(fmt::format("curvature.{}", name));
-            for (std::size_t i = 0; i < count; ++i) {
-                const float* k = &frame.curvature.rgba[4 * i];
-                if (k[3] != 0) values[i] = static_cast<float>(curvature_measure(measure, k[0], k[1]));
-            }
-        };
-        add("k1", CurvatureMeasure::K1);
-        add("k2", CurvatureMeasure::K2);
-        add("mean", CurvatureMeasure::Mean);
-        add("gauss", CurvatureMeasure::Gauss);
-        add("shapeIndex", CurvatureMeasure::ShapeIndex);
-        add("curvedness", CurvatureMeasure::Curvedness);
+    const auto unit_gradient = [&](std::size_t i) -> Vec3d {
+        const Vec3d gradient = vector(frame.at(FrameImage::Gradient), i);
+        return gradient.norm() > 0 ? Vec3d(gradient.normalized()) : Vec3d::Zero();
+    };
+    if (layers.position)
+        add_vector("P", [&](std::size_t i) -> Vec3d { return camera.eye_world + vector(hits, i); });
+    if (layers.normal) add_vector("N", unit_gradient);
+    if (layers.directions) {
+        const Image& directions = frame.at(FrameImage::Direction);
+        add_vector("T1", [&](std::size_t i) { return vector(directions, i); });
+        add_vector("T2", [&](std::size_t i) -> Vec3d {
+            return unit_gradient(i).cross(vector(directions, i));
+        });
     }
+    if (layers.curvature) {
+        const Image& curvatures = frame.at(FrameImage::Curvature);
+        const auto add_of = [&](const char* name, CurvatureMeasure measure) {
+            add(fmt::format("curvature.{}", name), [&](std::size_t i) {
+                return curvature_measure(measure, curvatures.rgba[4 * i],
+                                         curvatures.rgba[4 * i + 1]);
+            });
+        };
+        add_of("k1", CurvatureMeasure::K1);
+        add_of("k2", CurvatureMeasure::K2);
+        add_of("mean", CurvatureMeasure::Mean);
+        add_of("gauss", CurvatureMeasure::Gauss);
+        add_of("shapeIndex", CurvatureMeasure::ShapeIndex);
+        add_of("curvedness", CurvatureMeasure::Curvedness);
+        add("curvature.flag", [&](std::size_t i) { return curvatures.rgba[4 * i + 3]; });
+    }
+    const auto add_first = [&](const std::string& name, FrameImage image) {
+        add(name, [&](std::size_t i) { return frame.at(image).rgba[4 * i]; });
+    };
+    if (layers.occlusion) add_first("AO.Y", FrameImage::Occlusion);
+    if (layers.shadow) add_first("shadow.Y", FrameImage::Shadow);
+    if (layers.id) add("id", [&](std::size_t i) { return hits.rgba[4 * i + 3]; });
 
     const Eigen::Matrix4d world_to_camera = camera_from_world(camera);
-    const double aspect = double(exr.width) / exr.height;
     exr.matrices["worldToCamera"] = world_to_camera.cast<float>();
-    exr.matrices["worldToNDC"] = (ndc_from_camera(camera, aspect) * world_to_camera).cast<float>();
+    exr.matrices["worldToNDC"] =
+        (ndc_from_camera(camera, aspect.value_or(double(exr.width) / exr.height)) * world_to_camera)
+            .cast<float>();
     return exr;
 }
 

@@ -3,17 +3,16 @@
 #pragma once
 
 #include "raycaster/camera.h"
+#include "raycaster/frame_plan.h"
 #include "raycaster/image.h"
+
+#include <optional>
 
 namespace isocast {
 
-/// Images of one frame, of one size. The last two may be empty where no layer needs them.
-struct FrameImages {
-    Image beauty;         // linear RGB, coverage
-    Image hit;            // eye-relative position [world], object (0: none)
-    Image gradient;       // world axes; w 1 on a hit
-    Image curvature = {}; // k1 >= k2 [1/world], 0; w not 0 on a hit
-};
+/// Images of one frame, or of rows of it, as FrameImage says; empty where no layer needs them.
+/// Colours are multiplied by coverage.
+using FrameImages = std::map<FrameImage, Image>;
 
 struct ExrLayers {
     bool position = false; // P.X P.Y P.Z: world, 0 on misses
@@ -21,16 +20,32 @@ struct ExrLayers {
     /// curvature.k1 .k2 .mean .gauss .shapeIndex .curvedness: k1 >= k2 [1/world], their mean,
     /// product, (2/pi) atan((k1 + k2)/(k1 - k2)) in [-1, 1] (0 where both are), and
     /// sqrt((k1^2 + k2^2)/2) [Koenderink & van Doorn 1992]; 0 on misses.
+    ///
+    /// curvature.flag: 0 on misses, 1 on regular points, 2 where the gradient vanishes, 3 at
+    /// umbilics.
     bool curvature = false;
+    bool directions = false; // T1.X … T2.Z: unit, of k1 and k2, T2 = N x T1; 0 on misses
+    bool occlusion = false;  // AO.Y: share of the sky that is seen; 0 on misses
+    bool shadow = false;     // shadow.Y: share of the light that is seen; 0 on misses
+    bool id = false;         // id: number of the object, from 1; 0 on misses
 };
 
-/// Of "P", "N" and "curvature", joined by commas.
-/// throws  UsageError that lists the known names
+/// What exr_layers_from understands.
+inline constexpr std::string_view exr_layer_names = "P, N, curvature, T, AO, shadow, id";
+
+/// Of exr_layer_names, joined by commas.
+/// throws  UsageError that lists them
 ExrLayers exr_layers_from(std::string_view list);
 
-/// R G B A (half; colour multiplied by coverage, so 0 on misses), Z (distance along the view axis,
-/// infinite on misses), the layers asked for, and the attributes worldToCamera (the camera looks
-/// down its -z) and worldToNDC (x to the right and y upwards, in -1 … 1 over the picture).
-ExrImage exr_image(const FrameImages& frame, const Camera& camera, const ExrLayers& layers);
+/// The images, beside the beauty, that layers are made of.
+std::vector<FrameImage> images_of(const ExrLayers& layers);
+
+/// If there is a beauty R G B A (half; 0 on misses); Z (distance along the view axis, infinite on
+/// misses), the layers asked for, and the attributes worldToCamera (the camera looks down its -z)
+/// and worldToNDC (x to the right and y upwards, in -1 … 1 over the picture).
+///
+/// aspect  of the picture, where `frame` shows some rows of it
+ExrImage exr_image(const FrameImages& frame, const Camera& camera, const ExrLayers& layers,
+                   const std::optional<double>& aspect = {});
 
 } // namespace isocast

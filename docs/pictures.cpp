@@ -5,7 +5,7 @@
 #include "distance_transform/mesh_files.h"
 #include "distance_transform/prism.h"
 #include "distance_transform/sample_meshes.h"
-#include "raycaster/image.h"
+#include "raycaster/image_files.h"
 
 #include <fmt/format.h>
 

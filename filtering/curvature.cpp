@@ -35,4 +35,21 @@ Curvatures principal_curvatures(const Vec3d& gradient, const Mat3d& hessian) {
     return c;
 }
 
+double normal_curvature(const Vec3d& gradient, const Mat3d& hessian, const Vec3d& direction) {
+    const double length = gradient.norm();
+    if (!(length > 0)) return 0;
+    const Vec3d n = gradient / length;
+    const Vec3d t = direction - direction.dot(n) * n;
+    const double tt = t.squaredNorm();
+    return tt > 0 ? t.dot(hessian * t) / (tt * length) : 0;
+}
+
+double flow_line_curvature(const Vec3d& gradient, const Mat3d& hessian) {
+    const double length = gradient.norm();
+    if (!(length > 0)) return 0;
+    const Vec3d n = gradient / length;
+    const Vec3d along = hessian * n;
+    return (along - along.dot(n) * n).norm() / length;
+}
+
 } // namespace isocast

@@ -1,4 +1,4 @@
-// Curvature of the isosurface through a point, from the derivatives there.
+// Curvatures at a point of a field, from the derivatives there.
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
@@ -25,5 +25,19 @@ struct Curvatures {
 ///                    one of them vanishes where the first tangent is principal
 /// twin               shaders/filtering/curvature.glsl
 Curvatures principal_curvatures(const Vec3d& gradient, const Mat3d& hessian);
+
+/// Normal curvature of the isosurface in the direction of the tangential part of `direction`; zero
+/// where that or the gradient vanishes.
+///
+/// twin  shaders/filtering/curvature.glsl
+double normal_curvature(const Vec3d& gradient, const Mat3d& hessian, const Vec3d& direction);
+
+/// Curvature of the line that runs along the gradient, |P H n| / |g| with P the projection to the
+/// tangent plane: how fast the normal turns off the surface, which is nothing in a distance field.
+/// Zero where the gradient vanishes.
+///
+/// source  Kindlmann et al. 2003, as teem computes its gageSclFlowlineCurv
+/// twin    shaders/filtering/curvature.glsl
+double flow_line_curvature(const Vec3d& gradient, const Mat3d& hessian);
 
 } // namespace isocast

@@ -159,7 +159,7 @@ int byte_count(Format format) {
 }
 
 Texture::Texture(unsigned target, Format format, int width, int height, int depth,
-                 std::string_view label, int level_count)
+                 std::string_view label, Filter filter, int level_count)
     : format_(format), size_{width, height, depth}, level_count_(level_count) {
     unsigned id = 0;
     glCreateTextures(target, 1, &id);
@@ -170,28 +170,30 @@ Texture::Texture(unsigned target, Format format, int width, int height, int dept
     else
         glTextureStorage2D(id, level_count, info(format).internal, width, height);
     throw_if_out_of_memory(byte_count(), label);
-    glTextureParameteri(id, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    glTextureParameteri(id, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    const int way = filter == Filter::Linear ? GL_LINEAR : GL_NEAREST;
+    glTextureParameteri(id, GL_TEXTURE_MIN_FILTER, way);
+    glTextureParameteri(id, GL_TEXTURE_MAG_FILTER, way);
     for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
         glTextureParameteri(id, axis, GL_CLAMP_TO_EDGE);
 }
 
-Texture Texture::image(Format format, int width, int height, std::string_view label) {
-    return {GL_TEXTURE_2D, format, width, height, 1, label};
+Texture Texture::image(Format format, int width, int height, std::string_view label,
+                       Filter filter) {
+    return {GL_TEXTURE_2D, format, width, height, 1, label, filter};
 }
 
 Texture Texture::picture(Format format, int width, int height, std::span<const float> rgba,
                          Wrap wrap, std::string_view label, Levels levels) {
     assert(rgba.size() == 4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
     const unsigned longest = static_cast<unsigned>(std::max(width, height));
-    Texture texture(GL_TEXTURE_2D, format, width, height, 1, label,
+    Texture texture(GL_TEXTURE_2D, format, width, height, 1, label, Filter::Linear,
                     levels == Levels::All ? std::bit_width(longest) : 1);
     glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
     glTextureSubImage2D(texture.id(), 0, 0, 0, width, height, GL_RGBA, GL_FLOAT, rgba.data());
-    if (levels == Levels::All) glGenerateTextureMipmap(texture.id());
-    glTextureParameteri(texture.id(), GL_TEXTURE_MIN_FILTER,
-                        levels == Levels::All ? GL_LINEAR_MIPMAP_LINEAR : GL_LINEAR);
-    glTextureParameteri(texture.id(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    if (levels == Levels::All) {
+        glGenerateTextureMipmap(texture.id());
+        glTextureParameteri(texture.id(), GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+    }
     if (wrap != Wrap::Clamp) glTextureParameteri(texture.id(), GL_TEXTURE_WRAP_S, GL_REPEAT);
     if (wrap == Wrap::Repeat) glTextureParameteri(texture.id(), GL_TEXTURE_WRAP_T, GL_REPEAT);
     return texture;
@@ -199,12 +201,7 @@ Texture Texture::picture(Format format, int width, int height, std::span<const f
 
 Texture Texture::volume(Format format, int width, int height, int depth, Filter filter,
                         std::string_view label) {
-    Texture texture(GL_TEXTURE_3D, format, width, height, depth, label);
-    if (filter == Filter::Linear) {
-        glTextureParameteri(texture.id(), GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-        glTextureParameteri(texture.id(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-    }
-    return texture;
+    return {GL_TEXTURE_3D, format, width, height, depth, label, filter};
 }
 
 std::int64_t Texture::byte_count() const {
@@ -252,7 +249,7 @@ void Texture::clear(int value) {
     glClearTexImage(id(), 0, GL_RED_INTEGER, GL_INT, &value);
 }
 
-Framebuffer::Framebuffer(std::initializer_list<const Texture*> colours, std::string_view label) {
+Framebuffer::Framebuffer(const std::vector<const Texture*>& colours, std::string_view label) {
     unsigned id = 0;
     glCreateFramebuffers(1, &id);
     handle_ = Handle<delete_framebuffer>(id);

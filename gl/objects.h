@@ -5,10 +5,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <initializer_list>
 #include <span>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace isocast::gl {
 
@@ -101,7 +101,8 @@ enum class Levels { One, All };
 class Texture {
 public:
     Texture() = default;
-    static Texture image(Format format, int width, int height, std::string_view label);
+    static Texture image(Format format, int width, int height, std::string_view label,
+                         Filter filter = Filter::Nearest);
     /// A linearly filtered 2D texture with contents.
     ///
     /// rgba    4 floats a texel, x fastest
@@ -134,7 +135,7 @@ public:
 
 private:
     Texture(unsigned target, Format format, int width, int height, int depth,
-            std::string_view label, int level_count = 1);
+            std::string_view label, Filter filter = Filter::Nearest, int level_count = 1);
 
     Handle<delete_texture> handle_;
     Format format_ = Format::Rgba8;
@@ -147,7 +148,7 @@ class Framebuffer {
 public:
     Framebuffer() = default;
     /// throws  GlError if the driver finds it incomplete
-    Framebuffer(std::initializer_list<const Texture*> colours, std::string_view label);
+    Framebuffer(const std::vector<const Texture*>& colours, std::string_view label);
     /// For shaders that write to buffers alone.
     static Framebuffer without_attachments(int width, int height, std::string_view label);
     unsigned id() const { return handle_.id(); }

@@ -95,6 +95,10 @@ void Program::use() const {
     glUseProgram(handle_.id());
 }
 
+bool Program::has(const char* uniform) const {
+    return glGetUniformLocation(handle_.id(), uniform) >= 0;
+}
+
 int Program::location(const char* uniform) const {
     const int location = glGetUniformLocation(handle_.id(), uniform);
     if (location < 0) throw GlError(fmt::format("program {} has no uniform {}", name_, uniform));

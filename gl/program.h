@@ -30,6 +30,7 @@ public:
         : handle_(std::move(handle)), name_(std::move(name)) {}
 
     void use() const;
+    bool has(const char* uniform) const;
     /// Sets a uniform. throws GlError if the program has none of that name, so that a mistyped name
     /// cannot silently draw nothing.
     void set(const char* uniform, int value) const;

@@ -25,6 +25,27 @@ struct Camera {
     Mat3d view_from_world_rotation() const;
     /// Half the height of the picture `depth` in front of the eye [world].
     double half_height_at(double depth) const;
+
+    bool operator==(const Camera&) const = default;
+};
+
+/// No side of a picture is longer: beyond it float positions of rays lose 1/128 of a pixel.
+inline constexpr int max_picture_extent = 1 << 17;
+
+/// The part of a picture that is drawn at a time, and where in their pixels its rays pass.
+struct PicturePart {
+    int x = 0; // of its top left pixel
+    int y = 0;
+    int width = 0;
+    int height = 0;
+    /// From pixel centres, to the right and down [pixels]; floats hold multiples of 1/128.
+    Eigen::Vector2d shift = Eigen::Vector2d::Zero();
+
+    /// Of a picture of that height, the place of the part's bottom left corner from the picture's,
+    /// and the shift, in gl_FragCoord's axes.
+    Eigen::Vector2d first_pixel(int picture_height) const {
+        return {x + shift.x(), picture_height - y - height - shift.y()};
+    }
 };
 
 /// A ray in world space, not normalised: for a perspective camera it starts at the eye, for an

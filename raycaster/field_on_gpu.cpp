@@ -35,21 +35,26 @@ void FieldOnGpu::bind_blocks(const gl::Program& program) const {
     pool_.bind();
 }
 
+void PlacesOnGpu::set_runs(std::vector<Eigen::Vector4i> of_tiles) {
+    tile_runs = std::move(of_tiles);
+    run_count = static_cast<int>(tile_runs.size());
+    runs = {std::as_bytes(std::span(tile_runs)), gl::Format::Rgba32i, "tile runs"};
+}
+
 PlacesOnGpu::PlacesOnGpu(Traversal traversal, const BlockRanges& ranges,
                          const std::vector<ActivePage>& active, const GridSpace& space,
-                         const Camera& camera, int width, int height) {
-    std::vector<Eigen::Vector4i> tile_runs;
+                         const Camera& camera, int width, int height,
+                         const std::optional<PicturePart>& asked_part) {
+    const PicturePart part = asked_part.value_or(PicturePart{.width = width, .height = height});
     if (traversal == Traversal::TileLists) {
-        const TileLists tiles = list_blocks(ranges, active, space, camera, width, height);
+        const TileLists tiles = list_blocks(ranges, active, space, camera, width, height, part);
         columns = tiles.width;
         lists = {std::as_bytes(std::span(tiles.lists)), gl::Format::Rg32i, "tiles"};
         blocks = {std::as_bytes(std::span(tiles.blocks)), gl::Format::R32i, "blocks of tiles"};
-        tile_runs = tiles.runs();
+        set_runs(tiles.runs());
     } else {
-        tile_runs = whole_picture(width, height);
+        set_runs(whole_picture(part.width, part.height));
     }
-    run_count = static_cast<int>(tile_runs.size());
-    runs = {std::as_bytes(std::span(tile_runs)), gl::Format::Rgba32i, "tile runs"};
     if (traversal == Traversal::DrawnBlocks) {
         BlockOrder nearest_first = order_blocks(ranges, active, space, camera);
         order = {std::as_bytes(std::span(nearest_first.blocks)), gl::Format::R32i, "block order"};

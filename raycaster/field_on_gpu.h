@@ -63,12 +63,15 @@ struct NumbersOnGpu {
 /// Where a frame looks for the field: tiles of the picture, and what its traversal needs.
 struct PlacesOnGpu {
     PlacesOnGpu() = default;
-    /// Finds them for a camera.
+    /// Finds them for a camera and a part of its picture, all of it if empty.
     PlacesOnGpu(Traversal traversal, const BlockRanges& ranges,
                 const std::vector<ActivePage>& active, const GridSpace& space, const Camera& camera,
-                int width, int height);
+                int width, int height, const std::optional<PicturePart>& part = {});
 
-    NumbersOnGpu runs; // of tiles that can show something, along x
+    void set_runs(std::vector<Eigen::Vector4i> of_tiles);
+
+    std::vector<Eigen::Vector4i> tile_runs; // of tiles that can show something, along x
+    NumbersOnGpu runs;                      // the same
     int run_count = 0;
     // Traversal::TileLists
     int columns = 0;

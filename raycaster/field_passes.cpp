@@ -2,7 +2,9 @@
 #include "raycaster/field_passes.h"
 
 #include "gl/readback.h"
+#include "raycaster/composition.h"
 
+#include <Eigen/Eigenvalues>
 #include <glad/gl.h>
 
 #include <algorithm>
@@ -14,7 +16,8 @@ namespace isocast {
 namespace {
 
 gl::ProgramKey raycast_program(std::map<std::string, std::string> defines, int search,
-                               Traversal traversal, bool has_gradient) {
+                               Traversal traversal, bool has_gradient, bool is_operand = false) {
+    defines.emplace("IS_OPERAND", is_operand ? "1" : "0");
     defines.emplace("SEARCH", std::to_string(search));
     defines.emplace("HAS_GRADIENT", has_gradient ? "1" : "0");
     defines.emplace("TRAVERSAL", std::to_string(static_cast<int>(traversal)));
@@ -27,24 +30,48 @@ gl::ProgramKey bounds_program(const BrickPool& pool) {
     return {{"raycast/bounds.vert", "raycast/bounds.frag"}, pool.defines()};
 }
 
-gl::ProgramKey derivatives_program(std::map<std::string, std::string> defines, int order) {
-    defines.emplace("ORDER", std::to_string(order));
+/// What follows from the Hessian, and where raycast/derivatives.frag writes it.
+struct SecondOrder {
+    FrameImage image;
+    const char* attachment_define;
+};
+constexpr std::array second_order{
+    SecondOrder{FrameImage::Curvature, "CURVATURE_AT"},
+    SecondOrder{FrameImage::Direction, "DIRECTION_AT"},
+    SecondOrder{FrameImage::ViewCurvature, "VIEW_CURVATURE_AT"},
+    SecondOrder{FrameImage::FlowLineCurvature, "FLOW_LINE_CURVATURE_AT"}};
+
+gl::ProgramKey gradient_program(std::map<std::string, std::string> defines, bool is_operand) {
+    defines.emplace("IS_OPERAND", is_operand ? "1" : "0");
+    defines.emplace("ORDER", "1");
+    return {{"common/tiles.vert", "raycast/derivatives.frag"}, std::move(defines)};
+}
+
+/// images  of second order, at least one
+gl::ProgramKey second_order_program(std::map<std::string, std::string> defines, bool is_operand,
+                                    const ImageSet& images) {
+    defines.emplace("IS_OPERAND", is_operand ? "1" : "0");
+    defines.emplace("ORDER", "2");
+    int attachment = 0;
+    for (const auto& [image, define] : second_order)
+        defines.emplace(define, std::to_string(images.contains(image) ? attachment++ : -1));
     return {{"common/tiles.vert", "raycast/derivatives.frag"}, std::move(defines)};
 }
 
 RayCoefficients set_ray_uniforms(const gl::Program& program, const FrameContext& frame) {
     const RayCoefficients ray =
-        ray_coefficients(frame.camera, frame.width, frame.height, frame.scene.field->space(),
+        ray_coefficients(frame.camera, frame.width, frame.height, frame.object.field->space(),
                          frame.field.local_origin_index());
     program.set("u_ray_point", Eigen::Matrix3f(ray.point.cast<float>()));
     program.set("u_ray_vector", Eigen::Matrix3f(ray.vector.cast<float>()));
+    set_first_pixel(frame, program);
     return ray;
 }
 
 /// Of shaders/raycast/faces.glsl.
 void set_face_uniforms(const gl::Program& program, const FrameContext& frame) {
     const Camera& camera = frame.camera;
-    const GridSpace& space = frame.scene.field->space();
+    const GridSpace& space = frame.object.field->space();
     const bool is_perspective = camera.projection == Projection::Perspective;
     const double half_height = camera.half_height_at(1);
     const Mat3d rotation = camera.view_from_world_rotation();
@@ -57,6 +84,14 @@ void set_face_uniforms(const gl::Program& program, const FrameContext& frame) {
     clip_from_view(1, 1) = 1 / half_height;
     // Depth is not looked at: faces are clipped where they reach behind the eye alone.
     (is_perspective ? clip_from_view(3, 2) : clip_from_view(3, 3)) = is_perspective ? -1 : 1;
+    // From the whole picture to the part that is drawn.
+    const Eigen::Array2d picture(frame.width, frame.height);
+    const Eigen::Array2d part(frame.part.width, frame.part.height);
+    const Eigen::Array2d first = frame.part.first_pixel(frame.height).array();
+    for (int axis = 0; axis < 2; ++axis)
+        clip_from_view.row(axis) =
+            picture[axis] / part[axis] * clip_from_view.row(axis) +
+            ((picture[axis] - 2 * first[axis]) / part[axis] - 1) * clip_from_view.row(3);
     Eigen::Matrix4d view_from_local = Eigen::Matrix4d::Identity();
     view_from_local.topLeftCorner<3, 3>() = view_from_index;
     view_from_local.topRightCorner<3, 1>() = offset_view;
@@ -68,21 +103,17 @@ void set_face_uniforms(const gl::Program& program, const FrameContext& frame) {
                 static_cast<float>(2 * half_height / frame.height / 64 * voxels_per_world));
 }
 
-/// draw_tiles again and again, with the bricks loaded that pixels wait for, until none waits.
+/// draw_on_tiles again and again, with the bricks loaded that pixels wait for, until none waits.
 ///
 /// Every pass ends with the bricks in the pool that the first waiting pixels need, so each of them
 /// gets at least one block further.
-void draw_streamed(FrameContext& frame, FieldOnGpu& field, FrameImage image,
-                   const gl::Program& program) {
+void draw_streamed(FrameContext& frame, FieldOnGpu& field, const gl::Program& program) {
     BrickPool& pool = field.pool();
-    gl::Texture progress =
-        gl::Texture::image(gl::Format::R32i, frame.width, frame.height, "pixels' progress");
+    gl::Texture progress = gl::Texture::image(gl::Format::R32i, frame.part.width, frame.part.height,
+                                              "pixels' progress");
     progress.clear(-1); // shaders/raycast/stream.glsl: not_started
     const int block_count = field.block_count();
     gl::ReadbackBuffer visits(std::int64_t{block_count} * 4, "visited blocks");
-    frame.targets.framebuffer(image).bind();
-    const Eigen::Vector4f empty = Eigen::Vector4f::Zero();
-    glClearBufferfv(GL_COLOR, 0, empty.data());
     std::vector<int> used;
     std::vector<int> missing;
     do {
@@ -113,7 +144,7 @@ void draw_blocks(const FrameContext& frame, FrameImage image, const gl::Program&
     set_fixed_state();
     set_face_uniforms(program, frame);
     const Vec3d forward = frame.camera.view_from_world_rotation().transpose() * Vec3d(0, 0, -1);
-    const GridSpace& space = frame.scene.field->space();
+    const GridSpace& space = frame.object.field->space();
     Eigen::Vector4d eye;
     if (frame.camera.projection == Projection::Perspective)
         eye << eye_local(frame.camera, space, frame.field.local_origin_index()), 1;
@@ -132,19 +163,23 @@ void draw_blocks(const FrameContext& frame, FrameImage image, const gl::Program&
     }
 }
 
-/// The pass of a program that reads the field, or that of derivatives.
-void draw_field(FrameContext& frame, FieldOnGpu& field, FrameImage image,
-                const gl::Program& program) {
+/// The pass of a program that reads the field, or that of derivatives: zero where it draws nothing.
+void draw_field(FrameContext& frame, FieldOnGpu& field, const gl::Framebuffer& target,
+                int attachment_count, const gl::Program& program) {
+    target.bind();
+    const Eigen::Vector4f empty = Eigen::Vector4f::Zero();
+    for (int i = 0; i < attachment_count; ++i) glClearBufferfv(GL_COLOR, i, empty.data());
     if (field.pool().holds_all())
-        draw_tiles(frame, image, program, Eigen::Vector4f::Zero());
+        draw_on_tiles(frame, program);
     else
-        draw_streamed(frame, field, image, program);
+        draw_streamed(frame, field, program);
 }
 
-/// Of shaders that go from hits to the field.
+} // namespace
+
 void set_hit_uniforms(const gl::Program& program, const FrameContext& frame,
                       const FieldOnGpu& field) {
-    const GridSpace& space = frame.scene.field->space();
+    const GridSpace& space = frame.object.field->space();
     program.set("u_index_from_world",
                 Eigen::Matrix3f(space.world_from_index.linear().inverse().cast<float>()));
     program.set(
@@ -152,14 +187,92 @@ void set_hit_uniforms(const gl::Program& program, const FrameContext& frame,
         Eigen::Vector3f(eye_local(frame.camera, space, field.local_origin_index()).cast<float>()));
 }
 
+namespace {
+
+/// Of shaders/raycast/derivatives.frag: how roundings and stored samples err in curvatures.
+void set_error_uniforms(const gl::Program& program, const GridSpace& space, const BrickPool& pool,
+                        Kernel kernel) {
+    // The greatest sum of |weights| of a second derivative, which is at a sample. Mixed ones have
+    // less than 4, but those of Catmull-Rom 9.
+    double hull = 0;
+    for (const double weight : kernel_weights_d2(kernel, 0)) hull += std::abs(weight);
+    hull = std::max(hull, 4.0);
+    // 2^-19: 32 roundings of what is summed; 24 are the longest way through a sum of 64 products.
+    program.set("u_entry_error",
+                Eigen::Vector2f(float(hull * 0x1p-19),
+                                float(hull * pool.storage_error() / pool.world_from_stored())));
+    // Symmetric matrices of entries up to e have eigenvalues up to 3 e, and two of them differ.
+    const double stretch = space.world_from_index.linear().inverse().operatorNorm();
+    program.set("u_difference_error", static_cast<float>(6 * stretch * stretch));
+}
+
+/// Runs raycast/derivatives.frag: of composed objects each one's, on the pixels that it owns.
+///
+/// field_of  the field that is derived
+/// key_of    (its pool's defines, is_operand) -> its program, but for the kernel
+/// set_more  (program, object, field, kernel): its uniforms beside those of all programs
+template<class KeyOf, class SetMore>
+void draw_derivatives(FrameContext& frame, FieldOnGpu& (*field_of)(const FrameContext&),
+                      const gl::Framebuffer& target, int attachment_count, KeyOf key_of,
+                      SetMore set_more) {
+    const bool is_operand = is_composed(frame.scene);
+    const auto prepared = [&](const FrameContext& object) -> const gl::Program& {
+        FieldOnGpu& field = field_of(object);
+        gl::ProgramKey key = key_of(field.pool().defines(), is_operand);
+        const Kernel kernel =
+            kernel_of(object.object.derivative_filter.value_or(object.object.filter));
+        key.defines["KERNEL"] = std::to_string(static_cast<int>(kernel));
+        const gl::Program& program = object.shaders.program(key);
+        field.bind(program);
+        object.targets.texture(FrameImage::Hit).bind_to_unit(3);
+        set_hit_uniforms(program, object, field);
+        set_more(program, object, field, kernel);
+        return program;
+    };
+    if (!is_operand) {
+        draw_field(frame, field_of(frame), target, attachment_count, prepared(frame));
+        return;
+    }
+    target.bind();
+    const Eigen::Vector4f empty = Eigen::Vector4f::Zero();
+    for (int i = 0; i < attachment_count; ++i) glClearBufferfv(GL_COLOR, i, empty.data());
+    for (int i = 0; i < std::ssize(frame.objects); ++i) {
+        const FrameContext object = of_object(frame, frame.objects[static_cast<std::size_t>(i)]);
+        const gl::Program& program = prepared(object);
+        program.set("u_object", i + 1);
+        draw_on_tiles(object, program);
+    }
+}
+
 } // namespace
+
+void set_extent_uniforms(const gl::Program& program, const FrameContext& frame) {
+    const FieldSource& field = *frame.object.field;
+    // A field with a band goes on beyond its extent as background; one without ends there.
+    constexpr float nowhere = 1e9F; // beyond any table
+    const auto local = [&](const Index3& index) {
+        return Eigen::Vector3f((index - frame.field.local_origin_index()).cast<float>());
+    };
+    const bool has_band = field.half_width_world().has_value();
+    program.set("u_extent_lo", has_band ? Eigen::Vector3f(Eigen::Vector3f::Constant(-nowhere))
+                                        : local(field.extent().lo));
+    program.set("u_extent_hi", has_band ? Eigen::Vector3f(Eigen::Vector3f::Constant(nowhere))
+                                        : local((field.extent().hi.array() - 1).matrix()));
+}
+
+void set_accuracy_uniforms(const gl::Program& program, const FrameContext& frame) {
+    program.set("u_guarantee", static_cast<float>(frame.scene.quality.guarantee_voxels));
+    // 2^-19: 32 roundings of a sum of 64 products, each of at most the greatest sample; 24 are
+    // the longest way through it.
+    program.set("u_value_error", 0x1p-19F * frame.field.pool().greatest_stored());
+}
 
 bool can_fuse_gradient(const FrameContext& frame) {
     return &frame.derivative_field == &frame.field && frame.field.pool().holds_all() &&
            frame.field.pool().fetch() != Fetch::Linear && // whose gradient may be another sum
-           frame.scene.quality.traversal != Traversal::DrawnBlocks &&
-           kernel_of(frame.scene.derivative_filter.value_or(frame.scene.filter)) ==
-               kernel_of(frame.scene.filter);
+           frame.scene.quality.traversal != Traversal::DrawnBlocks && !is_composed(frame.scene) &&
+           kernel_of(frame.object.derivative_filter.value_or(frame.object.filter)) ==
+               kernel_of(frame.object.filter);
 }
 
 void run_bounds(FrameContext& frame) {
@@ -181,25 +294,13 @@ void run_bounds(FrameContext& frame) {
     glDisable(GL_BLEND);
 }
 
-void run_raycast(FrameContext& frame) {
+RayCoefficients set_search_uniforms(const gl::Program& program, const FrameContext& frame) {
     const Quality& quality = frame.scene.quality;
-    const gl::ProgramKey key = raycast_program(frame.field.pool().defines(), quality.rate ? 1 : 0,
-                                               quality.traversal, frame.has_fused_gradient);
-    const gl::Program& program = frame.shaders.program(key);
-    const FieldSource& field = *frame.scene.field;
+    const FieldSource& field = *frame.object.field;
     const RayCoefficients ray = set_ray_uniforms(program, frame);
     frame.field.bind(program);
     program.set("u_ray_from_eye", Eigen::Matrix3f(ray.from_eye.cast<float>()));
-    // A field with a band goes on beyond its extent as background; one without ends there.
-    constexpr float nowhere = 1e9F; // beyond any table
-    const auto local = [&](const Index3& index) {
-        return Eigen::Vector3f((index - frame.field.local_origin_index()).cast<float>());
-    };
-    const bool has_band = field.half_width_world().has_value();
-    program.set("u_extent_lo", has_band ? Eigen::Vector3f(Eigen::Vector3f::Constant(-nowhere))
-                                        : local(field.extent().lo));
-    program.set("u_extent_hi", has_band ? Eigen::Vector3f(Eigen::Vector3f::Constant(nowhere))
-                                        : local((field.extent().hi.array() - 1).matrix()));
+    set_extent_uniforms(program, frame);
     if (quality.traversal == Traversal::TileLists) {
         frame.places.lists.texture.bind_to_unit(3);
         frame.places.blocks.texture.bind_to_unit(4);
@@ -215,72 +316,151 @@ void run_raycast(FrameContext& frame) {
                     static_cast<float>(quality.near_voxels * field.space().voxel_size_world()) *
                         stored_from_world);
     } else {
-        program.set("u_guarantee", static_cast<float>(quality.guarantee_voxels));
-        // 2^-19: 32 roundings of a sum of 64 products, each of at most the greatest sample; 24 are
-        // the longest way through it.
-        program.set("u_value_error", 0x1p-19F * frame.field.pool().greatest_stored());
+        set_accuracy_uniforms(program, frame);
     }
     program.set("u_world_from_index",
                 Eigen::Matrix3f(field.space().world_from_index.linear().cast<float>()));
+    return ray;
+}
+
+gl::ProgramKey operand_program(const FrameContext& frame) {
+    return raycast_program(frame.field.pool().defines(), 0, Traversal::TileLists, false, true);
+}
+
+void run_raycast(FrameContext& frame) {
+    const Quality& quality = frame.scene.quality;
+    const gl::ProgramKey key = raycast_program(frame.field.pool().defines(), quality.rate ? 1 : 0,
+                                               quality.traversal, frame.has_fused_gradient);
+    const gl::Program& program = frame.shaders.program(key);
+    set_search_uniforms(program, frame);
     if (frame.has_fused_gradient) {
         set_hit_uniforms(program, frame, frame.field);
         program.set("u_world_from_stored", frame.field.pool().world_from_stored());
-        frame.targets.hit_and_gradient.bind();
-        const Eigen::Vector4f empty = Eigen::Vector4f::Zero();
-        for (const int attachment : {0, 1}) glClearBufferfv(GL_COLOR, attachment, empty.data());
-        draw_on_tiles(frame, program);
+        draw_field(frame, frame.field, frame.targets.hit_and_gradient, 2, program);
     } else if (quality.traversal == Traversal::DrawnBlocks)
         draw_blocks(frame, FrameImage::Hit, program);
     else
-        draw_field(frame, frame.field, FrameImage::Hit, program);
+        draw_field(frame, frame.field, frame.targets.framebuffer(FrameImage::Hit), 1, program);
 }
 
-void run_derivatives(FrameContext& frame, FrameImage image, int order) {
-    FieldOnGpu& field = frame.derivative_field;
-    gl::ProgramKey key = derivatives_program(field.pool().defines(), order);
-    const Kernel kernel = kernel_of(frame.scene.derivative_filter.value_or(frame.scene.filter));
-    key.defines["KERNEL"] = std::to_string(static_cast<int>(kernel));
-    const gl::Program& program = frame.shaders.program(key);
-    field.bind(program);
-    frame.targets.texture(FrameImage::Hit).bind_to_unit(3);
-    set_hit_uniforms(program, frame, field);
-    // Curvatures do not depend on the unit of values.
-    if (order == 1) program.set("u_world_from_stored", field.pool().world_from_stored());
-    draw_field(frame, field, image, program);
+void cast_rays(FrameContext& frame) {
+    frame.targets.make(FrameImage::Hit, frame.width, frame.height);
+    if (frame.scene.quality.traversal == Traversal::BoundingFaces) {
+        frame.targets.make(FrameImage::Bounds, frame.width, frame.height);
+        run_bounds(frame);
+    }
+    if (is_composed(frame.scene))
+        run_composition(frame);
+    else
+        run_raycast(frame);
 }
 
-std::vector<gl::ProgramKey> field_programs() {
-    std::vector<gl::ProgramKey> keys{bounds_program({})};
+bool is_of_second_order(FrameImage image) {
+    return std::ranges::find(second_order, image, &SecondOrder::image) != second_order.end();
+}
+
+FrameImage drawn_with(const FrameContext& frame, FrameImage image) {
+    if (image == FrameImage::Gradient && frame.has_fused_gradient) return FrameImage::Hit;
+    if (!is_of_second_order(image)) return image;
+    return std::ranges::find_if(second_order,
+                                [&](const SecondOrder& other) {
+                                    return other.image == image || frame.live.contains(other.image);
+                                })
+        ->image;
+}
+
+void run_gradient(FrameContext& frame) {
+    if (drawn_with(frame, FrameImage::Gradient) != FrameImage::Gradient) return;
+    draw_derivatives(
+        frame, [](const FrameContext& object) -> FieldOnGpu& { return object.derivative_field; },
+        frame.targets.framebuffer(FrameImage::Gradient), 1, gradient_program,
+        [](const gl::Program& program, const FrameContext&, const FieldOnGpu& field, Kernel) {
+            program.set("u_world_from_stored", field.pool().world_from_stored());
+        });
+}
+
+void run_second_order(FrameContext& frame, FrameImage image) {
+    if (drawn_with(frame, image) != image) return;
+    std::vector<const gl::Texture*> textures;
+    for (const SecondOrder& other : second_order)
+        if (frame.live.contains(other.image))
+            textures.push_back(&frame.targets.texture(other.image));
+    draw_derivatives(
+        frame, [](const FrameContext& object) -> FieldOnGpu& { return object.curvature_field; },
+        gl::Framebuffer(textures, "of second order"), static_cast<int>(textures.size()),
+        [&](std::map<std::string, std::string> defines, bool is_operand) {
+            return second_order_program(std::move(defines), is_operand, frame.live);
+        },
+        [&](const gl::Program& program, const FrameContext& object, const FieldOnGpu& field,
+            Kernel kernel) {
+            if (frame.live.contains(FrameImage::Curvature) ||
+                frame.live.contains(FrameImage::Direction))
+                set_error_uniforms(program, object.object.field->space(), field.pool(), kernel);
+            if (frame.live.contains(FrameImage::ViewCurvature))
+                program.set("u_ray_vector_world",
+                            Eigen::Matrix3f(
+                                world_vector_coefficients(frame.camera, frame.width, frame.height)
+                                    .cast<float>()));
+        });
+}
+
+std::vector<std::map<std::string, std::string>> all_pool_defines() {
     std::vector<StorageOptions> storages{{.fetch = Fetch::Rows}, {.fetch = Fetch::Samples}};
     for (const int fraction_bits : {0, 8})
         for (const bool is_refined_exactly : {true, false})
             storages.push_back({.fetch = Fetch::Linear,
                                 .fraction_bits = fraction_bits,
                                 .is_refined_exactly = is_refined_exactly});
+    std::vector<std::map<std::string, std::string>> all;
     for (const StorageOptions& storage : storages) {
         for (const Kernel kernel : {Kernel::Linear, Kernel::BSpline, Kernel::CatmullRom}) {
             // Strides and the zero of the samples are numbers, which no #if looks at: those of the
             // default storage stand for all.
-            std::map<std::string, std::string> defines = fetch_defines(storage);
+            std::map<std::string, std::string>& defines = all.emplace_back(fetch_defines(storage));
             defines["KERNEL"] = std::to_string(static_cast<int>(kernel));
             defines.merge(BrickPool().defines());
-            for (const int is_streamed : {0, 1}) {
-                defines["IS_STREAMED"] = std::to_string(is_streamed);
-                for (const int order : {1, 2}) keys.push_back(derivatives_program(defines, order));
-                for (const int search : {0, 1}) {
-                    for (const Traversal traversal : {Traversal::TileLists, Traversal::DrawnBlocks,
-                                                      Traversal::BoundingFaces, Traversal::Walk}) {
-                        // Renderer::load refuses the others.
-                        const bool is_default = search == 0 && traversal == Traversal::TileLists;
-                        if (is_streamed == 0 || is_default)
-                            keys.push_back(raycast_program(defines, search, traversal, false));
-                        if (is_streamed == 0 && traversal != Traversal::DrawnBlocks &&
-                            storage.fetch != Fetch::Linear)
-                            keys.push_back(raycast_program(defines, search, traversal, true));
-                    }
+        }
+    }
+    return all;
+}
+
+std::vector<gl::ProgramKey> field_programs() {
+    std::vector<gl::ProgramKey> keys{bounds_program({})};
+    for (std::map<std::string, std::string> defines : all_pool_defines()) {
+        const bool is_linear =
+            defines.at("FETCH") == std::to_string(static_cast<int>(Fetch::Linear));
+        for (const int is_streamed : {0, 1}) {
+            defines["IS_STREAMED"] = std::to_string(is_streamed);
+            for (const bool is_operand : {false, true}) {
+                if (is_streamed != 0 && is_operand) continue;
+                keys.push_back(gradient_program(defines, is_operand));
+                keys.push_back(second_order_program(defines, is_operand, {FrameImage::Curvature}));
+            }
+            if (is_streamed == 0)
+                keys.push_back(raycast_program(defines, 0, Traversal::TileLists, false, true));
+            for (const int search : {0, 1}) {
+                for (const Traversal traversal : {Traversal::TileLists, Traversal::DrawnBlocks,
+                                                  Traversal::BoundingFaces, Traversal::Walk}) {
+                    // Renderer::load refuses the others.
+                    const bool is_default = search == 0 && traversal == Traversal::TileLists;
+                    if (is_streamed == 0 || is_default)
+                        keys.push_back(raycast_program(defines, search, traversal, false));
+                    if (is_streamed == 0 && traversal != Traversal::DrawnBlocks && !is_linear)
+                        keys.push_back(raycast_program(defines, search, traversal, true));
                 }
             }
         }
+    }
+    // What is written does not depend on how the field is read: the default storage stands for all.
+    std::map<std::string, std::string> defines = BrickPool().defines();
+    defines.emplace("KERNEL", std::to_string(static_cast<int>(Kernel::BSpline)));
+    defines.emplace("IS_STREAMED", "0");
+    for (unsigned set = 2; set < 1U << second_order.size(); ++set) {
+        ImageSet images;
+        for (std::size_t i = 0; i < second_order.size(); ++i)
+            if (set & 1U << i) images.insert(second_order[i].image);
+        for (const bool is_operand : {false, true})
+            keys.push_back(second_order_program(defines, is_operand, images));
     }
     return keys;
 }

@@ -12,10 +12,35 @@ bool can_fuse_gradient(const FrameContext& frame);
 
 void run_bounds(FrameContext& frame);
 void run_raycast(FrameContext& frame);
-/// order  of raycast/derivatives.frag: 1 for the gradient, 2 for curvatures
-void run_derivatives(FrameContext& frame, FrameImage image, int order);
+/// The Hit image of a frame that has no passes of its own; makes the images that this takes.
+void cast_rays(FrameContext& frame);
+/// The image whose pass draws `image` too, because it fetches the same: another one, or itself.
+FrameImage drawn_with(const FrameContext& frame, FrameImage image);
+// Of composed objects each one's, where it is hit.
+void run_gradient(FrameContext& frame);
+/// Whether the image follows from the Hessian: Curvature, Direction, ViewCurvature,
+/// FlowLineCurvature.
+bool is_of_second_order(FrameImage image);
+/// The first live one draws all live ones.
+void run_second_order(FrameContext& frame, FrameImage image);
+
+/// Binds and sets what raycast/raycast.frag needs of the frame's object.
+/// returns  the rays, as set
+RayCoefficients set_search_uniforms(const gl::Program& program, const FrameContext& frame);
+/// raycast/raycast.frag for an object of several.
+gl::ProgramKey operand_program(const FrameContext& frame);
+
+/// Of shaders that go from hits to the field.
+void set_hit_uniforms(const gl::Program& program, const FrameContext& frame,
+                      const FieldOnGpu& field);
+/// Where rays end: beyond its extent a field with a band goes on as background, one without ends.
+void set_extent_uniforms(const gl::Program& program, const FrameContext& frame);
+/// Of shaders/raycast/march.glsl.
+void set_accuracy_uniforms(const gl::Program& program, const FrameContext& frame);
 
 /// Every program that these can ask for, up to its strides.
 std::vector<gl::ProgramKey> field_programs();
+/// The defines of every kind of pool, up to its strides, with the field's kernel.
+std::vector<std::map<std::string, std::string>> all_pool_defines();
 
 } // namespace isocast

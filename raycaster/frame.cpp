@@ -13,10 +13,16 @@ void set_fixed_state() {
     glDisable(GL_BLEND);
 }
 
+void set_first_pixel(const FrameContext& frame, const gl::Program& program) {
+    if (program.has("u_first_pixel"))
+        program.set("u_first_pixel",
+                    Eigen::Vector2f(frame.part.first_pixel(frame.height).cast<float>()));
+}
+
 namespace {
 
-/// Columns (constant, d/dx, d/dy) of the affine map from gl_FragCoord to view space at `depth` in
-/// front of the eye; gl_FragCoord has its origin at the bottom left.
+/// Columns (constant, d/dx, d/dy) of the affine map from pixels to view space at `depth` in front
+/// of the eye; like gl_FragCoord's they have their origin at the bottom left.
 Mat3d view_point_coefficients(const Camera& camera, int width, int height, double depth) {
     const double half_height = camera.half_height_at(depth);
     const double half_width = half_height * width / height;
@@ -42,15 +48,32 @@ void draw_runs(const FrameContext& frame, const gl::Program& program, const Numb
                int run_count) {
     set_fixed_state();
     frame.no_vertices.bind();
-    runs.texture.bind_to_unit(7);
+    runs.texture.bind_to_unit(31);
     program.set("u_clip_from_tile",
-                Eigen::Vector2f(2.0F * tile_pixels / static_cast<float>(frame.width),
-                                2.0F * tile_pixels / static_cast<float>(frame.height)));
+                Eigen::Vector2f(2.0F * tile_pixels / static_cast<float>(frame.part.width),
+                                2.0F * tile_pixels / static_cast<float>(frame.part.height)));
+    set_first_pixel(frame, program);
     program.use();
     glDrawArrays(GL_TRIANGLES, 0, 6 * run_count);
 }
 
 } // namespace
+
+void FrameTargets::make(FrameImage image, int width, int height) {
+    framebuffer(image) = {};
+    texture(image) = {}; // so that the old one and the new are never both in memory
+    texture(image) =
+        gl::Texture::image(format_of(image), width, height, name_of(image), filter_of(image));
+    framebuffer(image) = gl::Framebuffer({&texture(image)}, name_of(image));
+}
+
+Vec3d direction_world(const Light& light, const Camera& viewer) {
+    const Vec3d direction =
+        light.is_in_view_space
+            ? Vec3d(viewer.view_from_world_rotation().transpose() * light.direction)
+            : light.direction;
+    return direction.normalized();
+}
 
 const gl::Texture& LookTextures::texture(const std::string& name,
                                          const std::function<gl::Texture()>& make) {
@@ -59,13 +82,12 @@ const gl::Texture& LookTextures::texture(const std::string& name,
     return found->second;
 }
 
-std::optional<std::array<double, 2>>
-LookTextures::range(const std::string& name,
-                    const std::function<std::optional<std::array<double, 2>>()>& find) {
-    if (const auto kept = ranges_.find(name); kept != ranges_.end()) return kept->second;
-    const auto found = find();
-    if (found) ranges_.emplace(name, *found);
-    return found;
+std::optional<double> LookTextures::number(const std::string& name,
+                                           const std::function<std::optional<double>()>& find) {
+    if (const auto found = numbers_.find(name); found != numbers_.end()) return found->second;
+    const std::optional<double> number = find();
+    if (number) numbers_.emplace(name, *number);
+    return number;
 }
 
 std::int64_t LookTextures::byte_count() const {
@@ -74,8 +96,39 @@ std::int64_t LookTextures::byte_count() const {
     return bytes;
 }
 
+PlacesOnGpu union_of_places(std::span<const FrameObject> objects, int width, int height) {
+    std::vector<std::vector<Eigen::Vector4i>> runs;
+    for (const FrameObject& object : objects) runs.push_back(object.places.tile_runs);
+    PlacesOnGpu places;
+    places.set_runs(union_of_runs(runs, width, height));
+    return places;
+}
+
+FrameContext of_object(const FrameContext& frame, const FrameObject& object) {
+    return {frame.shaders,
+            frame.no_vertices,
+            frame.scene,
+            object.object,
+            object.field,
+            object.derivative_field,
+            object.curvature_field,
+            object.places,
+            frame.camera,
+            frame.width,
+            frame.height,
+            frame.targets,
+            frame.look_textures,
+            frame.objects,
+            frame.part};
+}
+
 void draw_on_tiles(const FrameContext& frame, const gl::Program& program) {
-    draw_runs(frame, program, frame.places.runs, frame.places.run_count);
+    draw_on_tiles(frame, program, frame.places);
+}
+
+void draw_on_tiles(const FrameContext& frame, const gl::Program& program,
+                   const PlacesOnGpu& tiles) {
+    draw_runs(frame, program, tiles.runs, tiles.run_count);
 }
 
 void draw_tiles(const FrameContext& frame, FrameImage image, const gl::Program& program,
@@ -87,7 +140,7 @@ void draw_tiles(const FrameContext& frame, FrameImage image, const gl::Program& 
 
 void draw_everywhere(const FrameContext& frame, FrameImage image, const gl::Program& program) {
     frame.targets.framebuffer(image).bind();
-    const std::vector<Eigen::Vector4i> runs = whole_picture(frame.width, frame.height);
+    const std::vector<Eigen::Vector4i> runs = whole_picture(frame.part.width, frame.part.height);
     const NumbersOnGpu all{std::as_bytes(std::span(runs)), gl::Format::Rgba32i, "whole picture"};
     draw_runs(frame, program, all, static_cast<int>(runs.size()));
 }
@@ -102,6 +155,7 @@ RayCoefficients ray_coefficients(const Camera& camera, int width, int height,
         -(rotation * (space.to_world(local_origin_index.cast<double>()) - camera.eye_world)).z(),
         space.voxel_size_world());
     RayCoefficients ray;
+    ray.depth_world = depth;
     ray.from_eye = index_from_view * view_point_coefficients(camera, width, height, depth);
     ray.point = ray.from_eye;
     ray.point.col(0) += eye_local(camera, space, local_origin_index);
@@ -129,10 +183,21 @@ gl::Format format_of(FrameImage image) {
     case FrameImage::Beauty:
         return gl::Format::Rgba16f;
     case FrameImage::Bounds:
+    case FrameImage::Shadow:
         return gl::Format::Rg32f;
+    case FrameImage::ViewCurvature:
+    case FrameImage::FlowLineCurvature:
+    case FrameImage::ShadowMap:
+    case FrameImage::Occlusion:
+    case FrameImage::FlowNoise:
+        return gl::Format::R32f;
     default:
         return gl::Format::Rgba32f;
     }
+}
+
+gl::Filter filter_of(FrameImage image) {
+    return image == FrameImage::OutlineSource ? gl::Filter::Linear : gl::Filter::Nearest;
 }
 
 } // namespace isocast

@@ -10,6 +10,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 
 namespace isocast {
@@ -24,6 +25,8 @@ struct FrameTargets {
     gl::Framebuffer& framebuffer(FrameImage image) {
         return framebuffers[static_cast<std::size_t>(image)];
     }
+    /// Contents are undefined until drawn.
+    void make(FrameImage image, int width, int height);
 };
 
 /// What effects make from the scene (environments, maps, noise) and find in its first picture,
@@ -32,16 +35,36 @@ class LookTextures {
 public:
     /// Made on the first call with this name.
     const gl::Texture& texture(const std::string& name, const std::function<gl::Texture()>& make);
-    /// Found on the first call with this name that finds something, so that a sequence of pictures
-    /// has one range.
-    std::optional<std::array<double, 2>>
-    range(const std::string& name,
-          const std::function<std::optional<std::array<double, 2>>()>& find);
+    /// A number found in the look's first picture that has any, so that sequences do not flicker.
+    std::optional<double> number(const std::string& name,
+                                 const std::function<std::optional<double>()>& find);
     std::int64_t byte_count() const;
 
 private:
     std::map<std::string, gl::Texture> textures_;
-    std::map<std::string, std::array<double, 2>> ranges_;
+    std::map<std::string, double> numbers_;
+};
+
+/// An object as a frame sees it.
+struct FrameObject {
+    const FieldObject& object;
+    FieldOnGpu& field;
+    FieldOnGpu& derivative_field; // of the same blocks; `field` where control samples are shared
+    FieldOnGpu& curvature_field;  // of the same blocks, what curvatures are derived from
+    PlacesOnGpu places;
+    Eigen::AlignedBox3d box_world; // of its active blocks; empty if there is none
+};
+
+/// The tiles in which any of them can show something, without lists.
+PlacesOnGpu union_of_places(std::span<const FrameObject> objects, int width, int height);
+
+/// The camera of the shadow map, and its size.
+struct LightView {
+    Camera camera; // orthographic
+    int width;
+    int height;
+    double texel_world;
+    bool operator==(const LightView&) const = default;
 };
 
 /// What every pass of a frame sees.
@@ -49,22 +72,43 @@ struct FrameContext {
     gl::ShaderLibrary& shaders;
     const gl::VertexArray& no_vertices;
     const Scene& scene;
+    // Of the scene's one object, or of that of of_object(). Passes that read the field read this.
+    const FieldObject& object;
     FieldOnGpu& field;
-    FieldOnGpu& derivative_field; // of the same blocks; `field` where control samples are shared
-    const PlacesOnGpu& places;
+    FieldOnGpu& derivative_field;
+    FieldOnGpu& curvature_field;
+    const PlacesOnGpu& places; // where objects are composed those of all
     const Camera& camera;
-    int width;
+    int width; // of the whole picture
     int height;
     FrameTargets& targets;
     LookTextures& look_textures;
+    std::span<const FrameObject> objects = {};          // all, by number
+    PicturePart part{.width = width, .height = height}; // of the picture, that the images show
+    std::int64_t scratch_bytes = 0;      // of textures that a pass made for itself alone
+    ImageSet live = {};                  // what the passes of this frame write
     bool has_fused_gradient = false;     // the pass "raycast" writes gradients too
     std::vector<std::string> notes = {}; // what was chosen for the user, to be reported
+    std::optional<LightView> light = {}; // if there is a shadow map
+    std::function<std::array<Vec3d, 8>()> surface_box_world = {}; // as Renderer's
+    /// The objects as another camera sees them.
+    std::function<std::vector<FrameObject>(const Camera& camera, int width, int height)>
+        find_objects = {};
 };
+
+/// The frame with one of its objects in the place of the only one.
+FrameContext of_object(const FrameContext& frame, const FrameObject& object);
+/// Towards the light, of unit length, world axes.
+Vec3d direction_world(const Light& light, const Camera& viewer);
 
 /// Depth test, culling and blending off.
 void set_fixed_state();
+/// Sets the uniform of shaders/common/pixel.glsl if the program has it. Those below do.
+void set_first_pixel(const FrameContext& frame, const gl::Program& program);
 /// Runs the program on every pixel that can show something, into the bound framebuffer.
 void draw_on_tiles(const FrameContext& frame, const gl::Program& program);
+/// The same on tiles of one's own.
+void draw_on_tiles(const FrameContext& frame, const gl::Program& program, const PlacesOnGpu& tiles);
 /// The same into an image whose other pixels become `empty`.
 void draw_tiles(const FrameContext& frame, FrameImage image, const gl::Program& program,
                 const Eigen::Vector4f& empty);
@@ -72,17 +116,19 @@ void draw_tiles(const FrameContext& frame, FrameImage image, const gl::Program& 
 void draw_everywhere(const FrameContext& frame, FrameImage image, const gl::Program& program);
 
 /// Coefficients of shaders/common/ray.glsl, computed in double: columns are the constant and the
-/// derivatives by gl_FragCoord's x and y.
+/// derivatives by the x and y of shaders/common/pixel.glsl, in a picture of width x height.
 struct RayCoefficients {
-    Mat3d point;    // local index coordinates of a point on a plane through the object
-    Mat3d vector;   // from the ray's start to that point [voxels]
-    Mat3d from_eye; // from the eye to that point [voxels]
+    Mat3d point;        // local index coordinates of a point on a plane through the object
+    Mat3d vector;       // from the ray's start to that point [voxels]
+    Mat3d from_eye;     // from the eye to that point [voxels]
+    double depth_world; // of the plane, in front of the eye
 };
 RayCoefficients ray_coefficients(const Camera& camera, int width, int height,
                                  const GridSpace& space, const Index3& local_origin_index);
 
-/// Columns (constant, d/dx, d/dy) of the affine map from gl_FragCoord to the vector in world axes
-/// from a ray's start to a point `depth_world` in front of it.
+/// Columns (constant, d/dx, d/dy) of the affine map from the place in the picture, of
+/// shaders/common/pixel.glsl, to the vector in world axes from a ray's start to a point
+/// `depth_world` in front of it.
 Mat3d world_vector_coefficients(const Camera& camera, int width, int height,
                                 double depth_world = 1);
 
@@ -91,5 +137,7 @@ Vec3d eye_local(const Camera& camera, const GridSpace& space, const Index3& loca
 
 /// The format of each frame image.
 gl::Format format_of(FrameImage image);
+/// How shaders that do not fetch single texels read it.
+gl::Filter filter_of(FrameImage image);
 
 } // namespace isocast

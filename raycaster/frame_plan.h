@@ -15,15 +15,21 @@ enum class FrameImage {
     Bounds,    // where rays first and last meet the faces around active blocks: t, -t [voxels]
     Hit,       // first hit: eye-relative position [world], object
     Gradient,  // gradient of the field at the hit [1/world * world], world axes
-    Curvature, // principal curvatures k1 >= k2 [1/world], 0; 1, or 2 where the gradient vanishes
-    Direction, // principal direction, unit, world axes; how far the curvatures differ
-    ShadowMap, // first hits from the light
+    Curvature, // principal curvatures k1 >= k2 [1/world], 0; 1, or 2 where the gradient vanishes,
+               // 3 at umbilics
+    ViewCurvature,     // normal curvature in the direction of the ray [1/world]
+    FlowLineCurvature, // how fast the gradient turns along itself [1/world]
+    Direction, // of k1, unit, world axes (that of k2 is normal x this); how far k1 and k2 differ,
+               // by |k1| + |k2|: 0 at umbilics and where the gradient vanishes
+    ShadowMap, // how far below the light's plane it sees the surface [texels]
+    FlowNoise, // a noise in space at the hit: mean 0, variance 1
+    OutlineSource, // unit normal, nearness, affine over the picture of a plane; 0 beside hits
     // What effects make. Layers: linear RGB, coverage.
     SolidTexture,
     CurvatureColour,
     CurvatureMap,
     Uncertainty,
-    Flow,
+    Flow, // a factor, 1 on average
     Accessibility,
     Occlusion, // share of the sky that is seen
     Shadow,    // share of the light that is seen, samples taken
@@ -34,7 +40,7 @@ enum class FrameImage {
     Outlines,
     Beauty, // shaded colour, linear; coverage
 };
-inline constexpr int frame_image_count = 20;
+inline constexpr int frame_image_count = 24;
 
 std::string_view name_of(FrameImage image);
 

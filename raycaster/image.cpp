@@ -1,35 +1,81 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "raycaster/image.h"
 
-#include "volume/atomic_file.h"
 #include "volume/errors.h"
 
 #include <ImfChannelList.h>
-#include <ImfFloatAttribute.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
-#include <ImfMatrixAttribute.h>
-#include <ImfOutputFile.h>
-#include <ImfStringAttribute.h>
+#include <ImfInputFile.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <png.h>
 
 #include <algorithm>
-#include <cerrno>
+#include <array>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
 
 namespace isocast {
 
 namespace {
 
-/// IEC 61966-2-1 transfer function, to 8 bits.
-png_byte srgb_byte(float linear) {
-    // NaN becomes 0: the comparison is false for it.
-    const float c = linear > 0 ? std::min(linear, 1.0f) : 0.0f;
-    const float s = c <= 0.0031308f ? 12.92f * c : 1.055f * std::pow(c, 1 / 2.4f) - 0.055f;
-    return static_cast<png_byte>(std::lround(255 * s));
+Image read_png(const std::filesystem::path& path) {
+    png_image png{};
+    png.version = PNG_IMAGE_VERSION;
+    std::vector<png_byte> bytes;
+    bool is_read = png_image_begin_read_from_file(&png, path.c_str()) != 0;
+    if (is_read) {
+        png.format = PNG_FORMAT_RGBA;
+        bytes.resize(PNG_IMAGE_SIZE(png));
+        is_read = png_image_finish_read(&png, nullptr, bytes.data(), 0, nullptr) != 0;
+    }
+    if (!is_read) throw InputError(fmt::format("{}: {}", path.string(), png.message));
+    std::array<float, 256> linear;
+    for (int i = 0; i < 256; ++i) linear[static_cast<std::size_t>(i)] = linear_from_srgb(i);
+    Image image{static_cast<int>(png.width), static_cast<int>(png.height), {}};
+    image.rgba.reserve(bytes.size());
+    for (std::size_t i = 0; i < bytes.size(); ++i)
+        image.rgba.push_back(i % 4 == 3 ? float(bytes[i]) / 255 : linear[bytes[i]]);
+    return image;
+}
+
+Image read_exr(const std::filesystem::path& path) {
+    try {
+        Imf::InputFile file(path.c_str());
+        const Imath::Box2i window = file.header().dataWindow();
+        Image image{window.max.x - window.min.x + 1, window.max.y - window.min.y + 1, {}};
+        const Imf::ChannelList& channels = file.header().channels();
+        const bool is_grey = channels.findChannel("Y") && !channels.findChannel("R");
+        const auto row = static_cast<std::size_t>(image.width) * 4;
+        image.rgba.resize(row * static_cast<std::size_t>(image.height));
+        Imf::FrameBuffer frame;
+        for (std::size_t c = 0; c < 4; ++c) {
+            const std::string name = is_grey && c < 3 ? "Y" : std::string(1, "RGBA"[c]);
+            if (c < 3 && !channels.findChannel(name)) {
+                std::vector<std::string> present;
+                for (auto i = channels.begin(); i != channels.end(); ++i)
+                    present.emplace_back(i.name());
+                throw InputError(
+                    fmt::format("no channel {} (has: {})", name, fmt::join(present, ", ")));
+            }
+            if (is_grey && (c == 1 || c == 2)) continue;
+            char* first = reinterpret_cast<char*>(image.rgba.data() + c) -
+                          sizeof(float) * (4 * std::ptrdiff_t{window.min.x} +
+                                           std::ptrdiff_t(row) * window.min.y);
+            frame.insert(name, Imf::Slice(Imf::FLOAT, first, 4 * sizeof(float), row * sizeof(float),
+                                          1, 1, 1)); // an alpha that is missing is 1
+        }
+        file.setFrameBuffer(frame);
+        file.readPixels(window.min.y, window.max.y);
+        if (is_grey)
+            for (std::size_t i = 0; i < image.rgba.size(); i += 4)
+                image.rgba[i + 1] = image.rgba[i + 2] = image.rgba[i];
+        if (!std::ranges::all_of(image.rgba, [](float value) { return std::isfinite(value); }))
+            throw InputError("a pixel is no finite number");
+        return image;
+    } catch (const std::exception& error) {
+        throw InputError(fmt::format("{}: {}", path.string(), error.what()));
+    }
 }
 
 } // namespace
@@ -42,79 +88,17 @@ std::vector<float> bottom_up(const Image& image) {
     return texels;
 }
 
-void write_png(const Image& linear, const std::filesystem::path& path) {
-    AtomicFile output(path);
-    std::FILE* file = std::fopen(output.temporary_path().c_str(), "wb");
-    if (!file)
-        throw ResourceError(
-            fmt::format("cannot write {}: {}", path.string(), std::strerror(errno)));
-    std::vector<png_byte> bytes(static_cast<std::size_t>(linear.width) *
-                                static_cast<std::size_t>(linear.height) * 3);
-    for (std::size_t i = 0; i < bytes.size() / 3; ++i)
-        for (std::size_t channel = 0; channel < 3; ++channel)
-            bytes[3 * i + channel] = srgb_byte(linear.rgba[4 * i + channel]);
-
-    png_image image{};
-    image.version = PNG_IMAGE_VERSION;
-    image.width = static_cast<png_uint_32>(linear.width);
-    image.height = static_cast<png_uint_32>(linear.height);
-    image.format = PNG_FORMAT_RGB;
-    errno = 0;
-    const bool written = png_image_write_to_stdio(&image, file, 0, bytes.data(), 0, nullptr) != 0;
-    const int write_errno = errno;
-    const bool closed = std::fclose(file) == 0;
-    // libpng says only "Write Error"; the system knows why.
-    if (!written || !closed)
-        throw ResourceError(fmt::format("cannot write {}: {}", path.string(),
-                                        std::strerror(written ? errno : write_errno)));
-    output.commit();
+float linear_from_srgb(int byte) {
+    const double s = byte / 255.0;
+    return static_cast<float>(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
 }
 
-void write_exr(const ExrImage& image, const std::filesystem::path& path) {
-    Imf::Header header(image.width, image.height);
-    header.compression() = Imf::ZIP_COMPRESSION;
-    Imf::FrameBuffer frame;
-    // OpenEXR reads half channels from half memory.
-    std::vector<std::vector<half>> halves;
-    halves.reserve(image.channels.size());
-    const auto row = static_cast<std::size_t>(image.width);
-    for (const auto& [name, channel] : image.channels) {
-        if (channel.as_half) {
-            halves.emplace_back(channel.values.begin(), channel.values.end());
-            header.channels().insert(name, Imf::Channel(Imf::HALF));
-            frame.insert(name, Imf::Slice(Imf::HALF, reinterpret_cast<char*>(halves.back().data()),
-                                          sizeof(half), row * sizeof(half)));
-        } else {
-            header.channels().insert(name, Imf::Channel(Imf::FLOAT));
-            frame.insert(
-                name, Imf::Slice(Imf::FLOAT,
-                                 reinterpret_cast<char*>(const_cast<float*>(channel.values.data())),
-                                 sizeof(float), row * sizeof(float)));
-        }
-    }
-    for (const auto& [name, value] : image.strings)
-        header.insert(name, Imf::StringAttribute(value));
-    for (const auto& [name, value] : image.floats) header.insert(name, Imf::FloatAttribute(value));
-    for (const auto& [name, value] : image.matrices) {
-        // OpenEXR multiplies row vectors from the left: its matrices are the transposed ones.
-        Imath::M44f transposed;
-        for (int i = 0; i < 4; ++i)
-            for (int j = 0; j < 4; ++j) transposed[i][j] = value(j, i);
-        header.insert(name, Imf::M44fAttribute(transposed));
-    }
-
-    AtomicFile output(path);
-    errno = 0;
-    try {
-        Imf::OutputFile file(output.temporary_path().c_str(), header);
-        file.setFrameBuffer(frame);
-        file.writePixels(image.height);
-    } catch (const std::exception& error) {
-        // Its message names the temporary file; where the system knows the cause, that is enough.
-        throw ResourceError(fmt::format("cannot write {}: {}", path.string(),
-                                        errno != 0 ? std::strerror(errno) : error.what()));
-    }
-    output.commit();
+Image read_picture(const std::filesystem::path& path) {
+    if (!std::filesystem::is_regular_file(path))
+        throw InputError(fmt::format("{}: no such file", path.string()));
+    if (path.extension() == ".png") return read_png(path);
+    if (path.extension() == ".exr") return read_exr(path);
+    throw InputError(fmt::format("{}: no picture that can be read (.png, .exr)", path.string()));
 }
 
 } // namespace isocast

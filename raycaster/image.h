@@ -1,4 +1,4 @@
-// Pictures in memory and in files: PNG and multi-channel OpenEXR.
+// Pictures in memory, and those that users give.
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
@@ -26,9 +26,13 @@ struct Image {
 /// The bottom row first, as textures have it.
 std::vector<float> bottom_up(const Image& image);
 
-/// Writes 8-bit sRGB from linear RGB, without alpha. The file appears whole or not at all.
-/// throws  InputError if the folder does not exist, ResourceError if the write fails
-void write_png(const Image& linear, const std::filesystem::path& path);
+/// IEC 61966-2-1 transfer function, from 8 bits.
+float linear_from_srgb(int byte);
+
+/// A PNG or OpenEXR file by its extension, as linear RGB and coverage: of PNG the sRGB colours, of
+/// OpenEXR the channels R, G and B, or Y.
+/// throws  InputError that names the file and the cause
+Image read_picture(const std::filesystem::path& path);
 
 /// One channel of an EXR file.
 struct ExrChannel {
@@ -36,7 +40,8 @@ struct ExrChannel {
     bool as_half = false;
 };
 
-/// Channels by name ("R", "Z", "P.X", …) with the file's attributes.
+/// An EXR file's, or some rows of it: channels by name ("R", "Z", "P.X", …) with the
+/// file's attributes.
 struct ExrImage {
     int width = 0;
     int height = 0;
@@ -45,9 +50,5 @@ struct ExrImage {
     std::map<std::string, float> floats;
     std::map<std::string, Eigen::Matrix4f> matrices; // acting on column vectors
 };
-
-/// One part, ZIP compression. The file appears whole or not at all.
-/// throws  as write_png
-void write_exr(const ExrImage& image, const std::filesystem::path& path);
 
 } // namespace isocast

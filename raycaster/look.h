@@ -34,6 +34,8 @@ struct Light {
     Shadow shadow = Shadow::None; // of one light at most
     double shadow_strength = 1;
     double size_degrees = 3; // Shadow::Soft: the angle under which the light is seen
+    /// Along the longer side of what the light sees; else as the picture's longer side.
+    std::optional<int> shadow_map_pixels;
 };
 
 /// The shader arrays' size.
@@ -106,8 +108,9 @@ struct Accessibility {
 /// Ambient occlusion marched in the field.
 struct Occlusion {
     double strength = 0;
-    std::optional<double> distance_world; // how far occluders count; else 1/10 of the object
-    int rays = 16;
+    /// How far occluders count; else a tenth of the diagonal of the surface's box.
+    std::optional<double> distance_world;
+    int rays = 16; // of each pixel
 };
 
 /// Contours of even thickness [Kindlmann et al. 2003, section 4.1].
@@ -129,17 +132,20 @@ struct Ridges {
 /// gradient [Kindlmann et al. 2003, section 4.3].
 struct Uncertainty {
     double strength = 0;
-    std::optional<double> range; // of flow-line curvature [1/world] that is certain to be uncertain
+    std::optional<double> range; // flow-line curvature of full uncertainty [1/world]
+    /// Half of it is where weak gradients begin to count; else the picture's median.
+    std::optional<double> typical_gradient;
     Vec3d colour = Vec3d(0.8, 0.1, 0.1);
 };
 
-/// Lines along a principal direction: line-integral convolution of a noise in space.
+/// Lines along a principal direction: line-integral convolution of a noise in space, as a factor of
+/// the surface's colour.
 struct Flow {
     double strength = 0;
     int direction = 1; // of k1 or k2
     double length_pixels = 20;
     double grain_pixels = 1.5;
-    std::optional<double> phase; // in [0, 1): a travelling kernel, for animations
+    std::optional<double> phase; // with period 1: the kernel travels along the lines
 };
 
 struct Reflection {
@@ -155,8 +161,8 @@ struct Refraction {
 /// Sobel edges of depth and normals (thesis section 7.3.3).
 struct Outlines {
     double strength = 0;
-    double silhouette_threshold = 0.02; // of depth, relative to the object's size
-    double crease_threshold = 0.8;      // of normals
+    double silhouette_threshold = 0.02; // a step in depth, relative to the field's diagonal
+    double crease_threshold = 0.8;      // the length of a step in unit normals
     Vec3d colour = Vec3d::Zero();
 };
 

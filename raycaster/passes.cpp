@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "raycaster/passes.h"
 
+#include "raycaster/composition.h"
 #include "raycaster/effects/effects.h"
+#include "raycaster/effects/flow.h"
+#include "raycaster/effects/occlusion.h"
+#include "raycaster/effects/shadow.h"
 #include "raycaster/field_passes.h"
 #include "raycaster/shading.h"
 
@@ -11,19 +15,32 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
     const ImageSet bounds = frame.scene.quality.traversal == Traversal::BoundingFaces
                                 ? ImageSet{FrameImage::Bounds}
                                 : ImageSet{};
-    return {
+    std::vector<Pass> passes{
         {"bounds", {}, FrameImage::Bounds, [&frame] { run_bounds(frame); }},
-        {"raycast", bounds, FrameImage::Hit, [&frame] { run_raycast(frame); }},
-        {"gradient",
-         {FrameImage::Hit},
-         FrameImage::Gradient,
+        {"raycast", bounds, FrameImage::Hit,
          [&frame] {
-             if (!frame.has_fused_gradient) run_derivatives(frame, FrameImage::Gradient, 1);
+             if (is_composed(frame.scene))
+                 run_composition(frame);
+             else
+                 run_raycast(frame);
          }},
+        {"gradient", {FrameImage::Hit}, FrameImage::Gradient, [&frame] { run_gradient(frame); }},
         {"curvature",
          {FrameImage::Hit},
          FrameImage::Curvature,
-         [&frame] { run_derivatives(frame, FrameImage::Curvature, 2); }},
+         [&frame] { run_second_order(frame, FrameImage::Curvature); }},
+        {"view curvature",
+         {FrameImage::Hit},
+         FrameImage::ViewCurvature,
+         [&frame] { run_second_order(frame, FrameImage::ViewCurvature); }},
+        {"flow line curvature",
+         {FrameImage::Hit},
+         FrameImage::FlowLineCurvature,
+         [&frame] { run_second_order(frame, FrameImage::FlowLineCurvature); }},
+        {"direction",
+         {FrameImage::Hit},
+         FrameImage::Direction,
+         [&frame] { run_second_order(frame, FrameImage::Direction); }},
         {"solid texture", solid_texture_reads(frame.scene.look.effects.solid_texture),
          FrameImage::SolidTexture, [&frame] { run_solid_texture(frame); }},
         {"curvature colour",
@@ -34,10 +51,23 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
          {FrameImage::Curvature},
          FrameImage::CurvatureMap,
          [&frame] { run_curvature_map(frame); }},
+        {"uncertainty",
+         {FrameImage::Hit, FrameImage::Gradient, FrameImage::FlowLineCurvature},
+         FrameImage::Uncertainty,
+         [&frame] { run_uncertainty(frame); }},
         {"accessibility",
          {FrameImage::Curvature},
          FrameImage::Accessibility,
          [&frame] { run_accessibility(frame); }},
+        {"shadow map", {}, FrameImage::ShadowMap, [&frame] { run_shadow_map(frame); }},
+        {"shadow",
+         {FrameImage::Hit, FrameImage::Gradient, FrameImage::ShadowMap},
+         FrameImage::Shadow,
+         [&frame] { run_shadow(frame); }},
+        {"occlusion",
+         {FrameImage::Hit, FrameImage::Gradient},
+         FrameImage::Occlusion,
+         [&frame] { run_occlusion(frame); }},
         {"refraction",
          {FrameImage::Hit, FrameImage::Gradient},
          FrameImage::Refraction,
@@ -46,18 +76,38 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
          {FrameImage::Hit, FrameImage::Gradient},
          FrameImage::Reflection,
          [&frame] { run_reflection(frame); }},
-        {"shading", shading_reads(frame.scene.look), FrameImage::Beauty,
-         [&frame] { run_shading(frame); }},
+        {"ridges",
+         {FrameImage::Hit, FrameImage::Curvature},
+         FrameImage::Ridges,
+         [&frame] { run_ridges(frame); }},
+        {"contours",
+         {FrameImage::Hit, FrameImage::Gradient, FrameImage::ViewCurvature},
+         FrameImage::Contours,
+         [&frame] { run_contours(frame); }},
+        {"outline source",
+         {FrameImage::Hit, FrameImage::Gradient},
+         FrameImage::OutlineSource,
+         [&frame] { run_outline_source(frame); }},
+        {"outlines",
+         {FrameImage::OutlineSource},
+         FrameImage::Outlines,
+         [&frame] { run_outlines(frame); }},
     };
+    for (Pass& pass : flow_passes(frame)) passes.push_back(std::move(pass));
+    passes.push_back(
+        {"shading", shading_reads(frame), FrameImage::Beauty, [&frame] { run_shading(frame); }});
+    return passes;
 }
 
 std::vector<gl::ProgramKey> all_programs() {
     std::vector<gl::ProgramKey> keys = field_programs();
-    for (const auto& programs :
-         {shading_programs(), solid_texture_programs(), curvature_colour_programs(),
-          curvature_map_programs(), accessibility_programs(), refraction_programs(),
-          reflection_programs()})
-        keys.insert(keys.end(), programs.begin(), programs.end());
+    for (const std::vector<gl::ProgramKey>& more :
+         {composition_programs(), solid_texture_programs(), curvature_colour_programs(),
+          curvature_map_programs(), uncertainty_programs(), flow_programs(),
+          accessibility_programs(), occlusion_programs(), shadow_programs(), refraction_programs(),
+          reflection_programs(), ridges_programs(), contours_programs(), outlines_programs(),
+          shading_programs()})
+        keys.insert(keys.end(), more.begin(), more.end());
     return keys;
 }
 

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "raycaster/renderer.h"
 
+#include "filtering/smoothed_field.h"
 #include "gl/timer.h"
 #include "raycaster/effects/effects.h"
+#include "raycaster/effects/flow.h"
+#include "raycaster/effects/shadow.h"
 #include "raycaster/field_passes.h"
 #include "raycaster/passes.h"
 #include "raycaster/shading.h"
@@ -10,7 +13,6 @@
 
 #include <fmt/format.h>
 #include <glad/gl.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <map>
@@ -20,19 +22,7 @@ namespace isocast {
 
 namespace {
 
-/// The active pages' ranges of samples become those of another field of control samples.
-BlockRanges with_samples_of(const FieldSource& control, BlockRanges ranges,
-                            const std::vector<ActivePage>& active) {
-    tbb::parallel_for(std::size_t{0}, active.size(), [&](std::size_t i) {
-        BlockPage& page = ranges.pages[active[i].page];
-        const Index3 lo = (page_size * page.coordinate.array() - filter_support_below).matrix();
-        std::vector<float> values(in_page(0, 0, page_samples));
-        control.copy_box({lo, (lo.array() + page_samples).matrix()}, 0, values);
-        const auto [min, max] = std::ranges::minmax(values);
-        page.samples = {min, max};
-    });
-    return ranges;
-}
+constexpr int least_shadow_map = 16; // pixels: of which four are its empty border
 
 /// throws  InputError
 void check_look(const Look& look) {
@@ -49,6 +39,23 @@ void check_look(const Look& look) {
     if (look.environment.kind == Environment::Kind::Picture &&
         look.environment.picture.rgba.empty())
         throw InputError("environment: it has no picture");
+    if (const Light* light = casting_light(look)) {
+        if (!(light->direction.norm() > 0) || !light->direction.allFinite())
+            throw InputError("a light that casts shadows needs a direction");
+        if (!(light->size_degrees >= 0 && light->size_degrees < 180))
+            throw InputError(
+                fmt::format("a light of {} degrees: not in [0, 180)", light->size_degrees));
+        const int pixels = light->shadow_map_pixels.value_or(least_shadow_map);
+        if (pixels < least_shadow_map || pixels > gl::max_image_extent())
+            throw InputError(fmt::format("a shadow map of {} pixels: not in {} ... {}", pixels,
+                                         least_shadow_map, gl::max_image_extent()));
+    }
+    const Occlusion& occlusion = look.effects.occlusion;
+    if (occlusion.rays < 1)
+        throw InputError(fmt::format("{} rays for ambient occlusion: 1 at least", occlusion.rays));
+    if (occlusion.distance_world && !(*occlusion.distance_world > 0))
+        throw InputError("the distance of occluders must be positive");
+    check(look.effects.flow);
 }
 
 } // namespace
@@ -58,39 +65,31 @@ Renderer::Renderer(gl::Context& context, const std::filesystem::path& shader_fol
       no_vertices_(gl::VertexArray::without_attributes("no vertices")) {}
 
 void Renderer::load(Scene scene, const Progress& progress) {
-    if (!scene.field) throw InputError("the scene has no field");
+    const std::vector<FieldObject> objects = objects_of(scene);
     if (scene.quality.rate && scene.quality.rate_factor < 1)
         throw InputError("the factor between two sampling rates must be at least 1");
-    if (scene.storage.fetch == Fetch::Linear && kernel_of(scene.filter) == Kernel::CatmullRom)
-        throw InputError(fmt::format("linear fetches need weights of one sign, which the filter {} "
-                                     "does not have: fetch rows or samples",
-                                     filter_name(scene.filter)));
-    if (scene.storage.over_budget == OverBudget::Coarsen &&
-        (scene.storage.fetch == Fetch::Linear ||
-         scene.derivative_filter.value_or(scene.filter) != scene.filter))
-        throw InputError("coarse bricks cannot be fetched linearly, nor have a derivative filter");
+    if (is_composed(scene) &&
+        (scene.quality.rate || scene.quality.traversal != Traversal::TileLists))
+        throw InputError("composed objects are searched by certified steps through lists of "
+                         "blocks, not at a rate or by other traversals");
+    if (!(scene.curvature_scale_voxels >= 0 &&
+          scene.curvature_scale_voxels <= greatest_scale_voxels))
+        throw InputError(fmt::format("a curvature scale of {} voxels: it must lie between 0 and {}",
+                                     scene.curvature_scale_voxels, greatest_scale_voxels));
+    if (scene.storage.over_budget == OverBudget::Coarsen && scene.curvature_scale_voxels > 0)
+        throw InputError("coarse bricks cannot have curvatures at a scale");
     check_look(scene.look);
-    // The old field goes first, so that both are never in memory.
-    field_ = {};
-    moving_.reset();
-    derivative_field_ = {};
-    derivative_control_ = {};
-    control_ = control_samples(scene.field, scene.filter, progress);
-    if (const Filter derivative_filter = scene.derivative_filter.value_or(scene.filter);
-        !share_control_samples(scene.filter, derivative_filter))
-        derivative_control_ = control_samples(scene.field, derivative_filter, progress);
-    ranges_ = find_block_ranges(*control_, kernel_of(scene.filter), progress);
-    coarse_.reset();
+    // The old fields go first, so that both are never in memory.
+    objects_.clear();
+    objects_ = std::vector<LoadedObject>(objects.size());
     scene_ = std::move(scene);
     look_textures_ = {};
-    const float iso = static_cast<float>(scene_.iso_world);
-    active_ = active_pages(ranges_, iso);
-    active_ = active_pages(ranges_, iso, error_of_storage());
-    if (scene_.storage.over_budget == OverBudget::Coarsen)
-        coarse_ = coarsen(control_, kernel_of(scene_.filter), ranges_, active_, iso, scene_.storage,
-                          progress);
-    if (coarse_) control_ = coarse_->field;
-    upload(progress);
+    StorageOptions storage = scene_.storage;
+    storage.budget_bytes /= std::ssize(objects);
+    for (std::size_t i = 0; i < objects.size(); ++i)
+        objects_[i].load(objects[i], storage, scene_.quality.traversal,
+                         scene_.curvature_scale_voxels, progress);
+    check_residence();
 }
 
 void Renderer::set_look(Look look) {
@@ -99,129 +98,161 @@ void Renderer::set_look(Look look) {
     look_textures_ = {};
 }
 
-void Renderer::set_iso(double iso_world) {
-    if (!control_) throw std::logic_error("no scene is loaded");
-    if (scene_.storage.over_budget == OverBudget::Coarsen) { // ranges depend on what is coarse
-        Scene scene = scene_;
-        scene.iso_world = iso_world;
-        load(std::move(scene));
-        return;
-    }
-    if (!moving_)
-        moving_.emplace(ranges_, static_cast<float>(scene_.iso_world), error_of_storage());
-    scene_.iso_world = iso_world;
-    const float iso = static_cast<float>(iso_world);
-    moving_->move_to(iso);
-    active_ = moving_->pages();
-    if (const float error = error_of_storage(); error > 0) {
-        moving_->move_to(iso, error);
-        active_ = moving_->pages();
-    }
-    upload({});
+void Renderer::set_iso(double iso_world, int object) {
+    LoadedObject& moved = objects_.at(static_cast<std::size_t>(object));
+    if (!moved.is_loaded()) throw std::logic_error("no scene is loaded");
+    moved.set_iso(iso_world);
+    (scene_.field ? scene_.iso_world : scene_.objects[static_cast<std::size_t>(object)].iso_world) =
+        iso_world;
+    check_residence();
 }
 
-float Renderer::error_of_storage() const {
-    return storage_error(ranges_, active_, static_cast<float>(scene_.iso_world),
-                         scene_.storage.format);
-}
-
-void Renderer::upload(const Progress& progress) {
-    surface_box_.reset();
-    field_ = {};
-    derivative_field_ = {};
-    const float iso = static_cast<float>(scene_.iso_world);
-    StorageOptions storage = scene_.storage;
-    if (derivative_control_) storage.budget_bytes /= 2;
-    field_ = FieldOnGpu(*scene_.field, *control_, kernel_of(scene_.filter), ranges_, active_, iso,
-                        storage, progress, scene_.quality.traversal, coarse_ ? &*coarse_ : nullptr);
-    if (derivative_control_) {
-        derivative_ranges_ = with_samples_of(*derivative_control_, ranges_, active_);
-        derivative_field_ =
-            FieldOnGpu(*scene_.field, *derivative_control_, kernel_of(*scene_.derivative_filter),
-                       derivative_ranges_, active_, iso, storage, progress);
-    }
+void Renderer::check_residence() {
+    shadow_map_.reset();
     // Refining a sampled hit reads the block before as well, which may be gone by then; and only a
     // place in a list is kept from pass to pass.
-    const bool can_stream =
-        !scene_.quality.rate && scene_.quality.traversal == Traversal::TileLists;
-    if (!can_stream && !field_.pool().holds_all())
-        throw ResourceError(
-            "all bricks must fit the texture budget for sampling at a rate, and for "
-            "other ways to the blocks than lists");
+    const bool can_stream = !scene_.quality.rate &&
+                            scene_.quality.traversal == Traversal::TileLists &&
+                            !is_composed(scene_);
+    for (const LoadedObject& object : objects_)
+        if (!can_stream && !object.field().pool().holds_all())
+            throw ResourceError(
+                "all bricks must fit the texture budget for sampling at a rate, for other ways to "
+                "the blocks than lists, and for composed objects, each in an equal share");
     context_.throw_pending_error();
 }
 
-Traversal traversal_from_name(std::string_view name) {
-    if (name == "lists") return Traversal::TileLists;
-    if (name == "drawn") return Traversal::DrawnBlocks;
-    if (name == "bounds") return Traversal::BoundingFaces;
-    if (name == "walk") return Traversal::Walk;
-    throw InputError(fmt::format("'{}' is not one of lists, drawn, bounds, walk", name));
+Eigen::AlignedBox3d Renderer::composed_box() const {
+    std::vector<Eigen::AlignedBox3d> boxes;
+    for (const LoadedObject& object : objects_) {
+        boxes.push_back(world_box(object.surface_box(), object.object().field->space()));
+    }
+    using Box = Eigen::AlignedBox3d;
+    return evaluate(
+        tree_of(scene_), std::span<const Box>(boxes),
+        [](const Box& a, const Box& b) { return a.merged(b); },
+        [](const Box& a, const Box& b) { return a.intersection(b); },
+        [](const Box& a, const Box&) { return a; });
 }
 
-const IndexBox& Renderer::surface_box() const {
-    if (!surface_box_)
-        surface_box_ =
-            find_surface_box(*control_, ranges_, active_, static_cast<float>(scene_.iso_world));
-    return *surface_box_;
+bool Renderer::has_surface() const {
+    return is_composed(scene_) ? !composed_box().isEmpty() : !at(0).surface_box().is_empty();
 }
 
 std::array<Vec3d, 8> Renderer::surface_box_world() const {
-    const IndexBox box = has_surface() ? surface_box() : scene_.field->extent();
+    const FieldObject& first = at(0).object();
+    if (!has_surface()) return corners_of(first.field->extent(), first.field->space());
+    if (!is_composed(scene_)) return corners_of(at(0).surface_box(), first.field->space());
+    const Eigen::AlignedBox3d box = composed_box();
     std::array<Vec3d, 8> corners;
     for (int i = 0; i < 8; ++i)
-        corners[static_cast<std::size_t>(i)] = scene_.field->space().to_world(
-            Vec3d(i & 1 ? box.hi.x() - 1 : box.lo.x(), i & 2 ? box.hi.y() - 1 : box.lo.y(),
-                  i & 4 ? box.hi.z() - 1 : box.lo.z()));
+        corners[static_cast<std::size_t>(i)] =
+            box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i));
     return corners;
 }
 
-FrameReport Renderer::draw(const Camera& camera, int width, int height, const ImageSet& wanted) {
-    const int limit = gl::max_image_extent();
-    if (width < 1 || height < 1 || width > limit || height > limit)
-        throw InputError(fmt::format("picture size {}x{}: each side must lie between 1 and {}",
-                                     width, height, limit));
-    const PlacesOnGpu places(scene_.quality.traversal, ranges_, active_, scene_.field->space(),
-                             camera, width, height);
-    const bool has_derivative_field = derivative_field_.byte_count() > 0;
+std::vector<FrameObject> Renderer::frame_objects(const Camera& camera, int width, int height,
+                                                 const PicturePart& part) {
+    std::vector<FrameObject> objects;
+    for (LoadedObject& object : objects_)
+        objects.push_back({object.object(),
+                           object.field(),
+                           object.derivative_field(),
+                           object.curvature_field(),
+                           {scene_.quality.traversal, object.ranges(), object.active(),
+                            object.object().field->space(), camera, width, height, part},
+                           object.box_world()});
+    return objects;
+}
+
+FrameReport Renderer::draw(const Camera& camera, int width, int height, const ImageSet& wanted,
+                           const std::optional<PicturePart>& asked_part) {
+    const auto check_size = [](const char* what, int w, int h, int limit) {
+        if (w < 1 || h < 1 || w > limit || h > limit)
+            throw InputError(
+                fmt::format("{} {}x{}: each side must lie between 1 and {}", what, w, h, limit));
+    };
+    check_size("picture size", width, height, max_picture_extent);
+    const PicturePart part = asked_part.value_or(PicturePart{.width = width, .height = height});
+    check_size("drawn at a time:", part.width, part.height, gl::max_image_extent());
+    const std::vector<FrameObject> objects = frame_objects(camera, width, height, part);
+    const PlacesOnGpu places_of_all =
+        is_composed(scene_) ? union_of_places(objects, part.width, part.height) : PlacesOnGpu();
+    const FrameObject& first = objects.front();
     FrameReport report;
     FrameContext frame{shaders_,
                        no_vertices_,
                        scene_,
-                       field_,
-                       has_derivative_field ? derivative_field_ : field_,
-                       places,
+                       first.object,
+                       first.field,
+                       first.derivative_field,
+                       first.curvature_field,
+                       is_composed(scene_) ? places_of_all : first.places,
                        camera,
                        width,
                        height,
                        targets_,
-                       look_textures_};
+                       look_textures_,
+                       objects,
+                       part};
     const std::vector<Pass> declared = declare_passes(frame);
     const std::vector<Pass> live = live_passes(declared, wanted);
-    frame.has_fused_gradient =
-        can_fuse_gradient(frame) && std::ranges::any_of(live, [](const Pass& pass) {
-            return pass.writes == FrameImage::Gradient;
-        });
+    const auto is_live = [&](FrameImage image) { return frame.live.contains(image); };
+    for (const Pass& pass : live) frame.live.insert(pass.writes);
+    frame.has_fused_gradient = can_fuse_gradient(frame) && is_live(FrameImage::Gradient);
+    frame.surface_box_world = [&] { return surface_box_world(); };
+    frame.find_objects = [&](const Camera& other, int other_width, int other_height) {
+        return frame_objects(other, other_width, other_height,
+                             {.width = other_width, .height = other_height});
+    };
+    if (is_live(FrameImage::ShadowMap)) {
+        const Light* light = casting_light(scene_.look);
+        if (light == nullptr) throw InputError("no light casts shadows");
+        // The surface is within a voxel of the control samples that enclose it.
+        double margin_world = 0;
+        for (const LoadedObject& object : objects_)
+            margin_world = std::max(margin_world, object.object()
+                                                      .field->space()
+                                                      .world_from_index.linear()
+                                                      .colwise()
+                                                      .norm()
+                                                      .maxCoeff());
+        const int map_pixels = light->shadow_map_pixels.value_or(std::min(
+            std::max({least_shadow_map, width, height}), gl::max_image_extent()));
+        frame.light = light_view(*light, camera, map_pixels, surface_box_world(), margin_world);
+    }
+    const bool keeps_shadow_map = frame.light && frame.light == shadow_map_;
+    if (!keeps_shadow_map) shadow_map_.reset();
+
+    const bool is_smoothed =
+        scene_.curvature_scale_voxels > 0 &&
+        std::ranges::any_of(live, [](const Pass& pass) { return is_of_second_order(pass.writes); });
+    for (LoadedObject& object : objects_) object.keep_smoothed(is_smoothed);
 
     for (const Pass& pass : declared) {
         gl::Texture& texture = targets_.texture(pass.writes);
-        const bool is_live =
-            std::ranges::any_of(live, [&](const Pass& other) { return other.name == pass.name; });
-        if (!is_live) {
+        const bool is_of_light = frame.light && pass.writes == FrameImage::ShadowMap;
+        const int image_width = is_of_light ? frame.light->width : part.width;
+        const int image_height = is_of_light ? frame.light->height : part.height;
+        if (!is_live(pass.writes)) {
             if (!texture.is_empty()) targets_.hit_and_gradient = {};
             targets_.framebuffer(pass.writes) = {};
             texture = {};
-        } else if (texture.is_empty() || texture.width() != width || texture.height() != height) {
+        } else if (texture.is_empty() || texture.width() != image_width ||
+                   texture.height() != image_height) {
             targets_.hit_and_gradient = {};
-            targets_.framebuffer(pass.writes) = {};
-            texture = {};
-            texture =
-                gl::Texture::image(format_of(pass.writes), width, height, name_of(pass.writes));
-            targets_.framebuffer(pass.writes) = gl::Framebuffer({&texture}, name_of(pass.writes));
+            targets_.make(pass.writes, image_width, image_height);
         }
-        const bool is_fused = frame.has_fused_gradient && pass.writes == FrameImage::Gradient;
-        report.passes.push_back({std::string(pass.name), is_live, asked_by(pass, live, wanted),
-                                 is_fused ? "raycast" : "", 0, texture.byte_count()});
+        const bool is_kept = keeps_shadow_map && is_of_light;
+        const auto drawer =
+            std::ranges::find(declared, drawn_with(frame, pass.writes), &Pass::writes);
+        const bool is_drawn_with_another = is_live(pass.writes) && drawer->name != pass.name;
+        report.passes.push_back({.name = std::string(pass.name),
+                                 .ran = is_live(pass.writes) && !is_kept,
+                                 .asked_by = asked_by(pass, live, wanted),
+                                 .drawn_by = is_drawn_with_another ? std::string(drawer->name) : "",
+                                 .is_kept = is_kept,
+                                 .texture_bytes = texture.byte_count()});
         report.image_bytes += texture.byte_count();
     }
     if (frame.has_fused_gradient && targets_.hit_and_gradient.id() == 0)
@@ -231,6 +262,7 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
 
     std::map<std::string_view, gl::Timer> timers;
     for (const Pass& pass : live) {
+        if (keeps_shadow_map && pass.writes == FrameImage::ShadowMap) continue;
         const gl::DebugGroup group(pass.name);
         gl::Timer& timer = timers[pass.name];
         timer.start();
@@ -238,10 +270,12 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
         timer.stop();
         context_.throw_pending_error();
     }
+    shadow_map_ = frame.light;
     for (PassReport& pass : report.passes)
         if (pass.ran) pass.milliseconds = timers.at(pass.name).milliseconds();
     report.programs_compiled = shaders_.compiled_program_count();
-    report.field_bytes = field_.byte_count() + derivative_field_.byte_count();
+    for (const LoadedObject& object : objects_) report.field_bytes += object.byte_count();
+    report.scratch_bytes = frame.scratch_bytes;
     report.notes = std::move(frame.notes);
     report.look_bytes = look_textures_.byte_count();
     return report;

@@ -1,9 +1,10 @@
-// What is drawn: a field, how finely rays search it, and how it looks.
-// SPDX-License-Identifier: MPL-2.0
+// What is drawn: a field or a solid composed of several, how finely rays search it, and how it
+// looks. SPDX-License-Identifier: MPL-2.0
 #pragma once
 
 #include "raycaster/brick_pool.h"
 #include "raycaster/camera.h"
+#include "raycaster/csg.h"
 #include "raycaster/look.h"
 #include "volume/field_source.h"
 
@@ -37,15 +38,53 @@ struct Quality {
     double near_voxels = 1;
 };
 
-struct Scene {
+/// A field and its isosurface. Fields of a scene may differ in grid, spacing, orientation and
+/// filter.
+struct FieldObject {
     std::shared_ptr<const FieldSource> field;
     double iso_world = 0;
     Filter filter = Filter::Interpolating;
     /// Gradients by another filter than values (thesis section 6.4.4); by the same if empty.
     std::optional<Filter> derivative_filter;
-    StorageOptions storage;
+    /// The material's if empty.
+    std::optional<Vec3d> colour = {};
+    /// Where this object is taken away from others; `colour` if empty.
+    std::optional<Vec3d> cut_colour = {};
+};
+
+/// `field` and what follows it are the one object of a scene without `objects`.
+struct Scene {
+    std::shared_ptr<const FieldSource> field;
+    double iso_world = 0;
+    Filter filter = Filter::Interpolating;
+    std::optional<Filter> derivative_filter;
+    /// Curvatures and their directions, and what is made of these, are those of the field smoothed
+    /// by a Gaussian of so many voxels (filtering/smoothed_field.h), at the same hits: neither the
+    /// surface nor its normals move. At most greatest_scale_voxels.
+    double curvature_scale_voxels = 0;
+    StorageOptions storage; // the budget is that of all objects
     Quality quality;
     Look look;
+    /// Instead of `field`: max_object_count at most. Rays search each by certified steps through
+    /// lists of blocks, whose bricks all fit; composed roots are roots of objects, so that what a
+    /// ray may miss is a stretch inside an object, or outside it, that is shorter than the
+    /// guarantee in that object's voxels, or one between roots of two objects that lie no farther
+    /// apart than 1e-5 of a voxel of each and rounding. Beyond the extent of a field without a band
+    /// a ray stays on the side on which it enters or leaves the extent, and is outside if it misses
+    /// the extent.
+    std::vector<FieldObject> objects = {};
+    CsgTree tree = {}; // of `objects`; empty: their union
 };
+
+/// The objects, one or more.
+/// throws  InputError if there is none, or both `field` and `objects`, or too many, or one without
+///         a field, or a tree that is wrong
+std::vector<FieldObject> objects_of(const Scene& scene);
+/// The tree of `objects`.
+CsgTree tree_of(const Scene& scene);
+/// Whether it takes more than the first hit with one object.
+inline bool is_composed(const Scene& scene) {
+    return scene.objects.size() > 1 || scene.tree.size() > 1;
+}
 
 } // namespace isocast

@@ -15,7 +15,7 @@ constexpr int first_layer_unit =
     2; // of shaders/shading/layers.glsl; the environment has the last, 15
 
 gl::ProgramKey shading_program(ShadingModel model, bool shows_environment, std::size_t lights,
-                               const std::map<Blend, std::size_t>& counts) {
+                               std::size_t objects, const std::map<Blend, std::size_t>& counts) {
     const auto count = [&](Blend blend) {
         const auto found = counts.find(blend);
         return std::to_string(found == counts.end() ? 0 : found->second);
@@ -24,16 +24,20 @@ gl::ProgramKey shading_program(ShadingModel model, bool shows_environment, std::
             {{"MODEL", std::to_string(static_cast<int>(model))},
              {"SHOWS_ENVIRONMENT", shows_environment ? "1" : "0"},
              {"LIGHTS", std::to_string(model == ShadingModel::Flat ? 0 : lights)},
+             {"OBJECTS", std::to_string(objects)},
              {"SURFACE_LAYERS", count(Blend::SurfaceColour)},
+             {"SURFACE_FACTORS", count(Blend::SurfaceFactor)},
              {"AMBIENT_FACTORS", count(Blend::AmbientLight)},
              {"SHADOWS", count(Blend::DirectLight)},
              {"OVERLAYS", count(Blend::Overlay)}}};
 }
 
 /// The live layers by kind: shaders read them in the order of the kinds.
-std::vector<Layer> live_layers(const Look& look) {
+std::vector<Layer> live_layers(const FrameContext& frame) {
+    const Look& look = frame.scene.look;
     std::vector<Layer> layers = layers_of(look);
     std::erase_if(layers, [&](const Layer& layer) {
+        if (frame.places.run_count == 0) return true;
         // Unlit colours know no light.
         const bool is_light =
             layer.blend == Blend::AmbientLight || layer.blend == Blend::DirectLight;
@@ -51,15 +55,15 @@ Eigen::Vector3f to_float(const Vec3d& v) {
 
 std::vector<Layer> layers_of(const Look& look) {
     const Effects& e = look.effects;
-    double shadow_strength = 0;
-    for (const Light& light : look.lights)
-        if (light.shadow != Shadow::None) shadow_strength = light.shadow_strength;
+    const Light* light = casting_light(look);
+    const double shadow_strength =
+        light != nullptr && light->colour != Vec3d::Zero() ? light->shadow_strength : 0;
     return {
         {FrameImage::SolidTexture, Blend::SurfaceColour, e.solid_texture.strength},
         {FrameImage::CurvatureColour, Blend::SurfaceColour, e.curvature_colour.strength},
         {FrameImage::CurvatureMap, Blend::SurfaceColour, e.curvature_map.strength},
         {FrameImage::Uncertainty, Blend::SurfaceColour, e.uncertainty.strength},
-        {FrameImage::Flow, Blend::SurfaceColour, e.flow.strength},
+        {FrameImage::Flow, Blend::SurfaceFactor, e.flow.strength},
         {FrameImage::Ridges, Blend::SurfaceColour, e.ridges.strength},
         {FrameImage::Accessibility, Blend::SurfaceColour, e.accessibility.strength},
         {FrameImage::Occlusion, Blend::AmbientLight, e.occlusion.strength},
@@ -71,45 +75,56 @@ std::vector<Layer> layers_of(const Look& look) {
     };
 }
 
-ImageSet shading_reads(const Look& look) {
+const Light* casting_light(const Look& look) {
+    const auto light =
+        std::ranges::find_if(look.lights, [](const Light& l) { return l.shadow != Shadow::None; });
+    return light == look.lights.end() ? nullptr : &*light;
+}
+
+ImageSet shading_reads(const FrameContext& frame) {
     ImageSet reads{FrameImage::Hit};
-    if (look.model != ShadingModel::Flat) reads.insert(FrameImage::Gradient);
-    for (const Layer& layer : live_layers(look)) reads.insert(layer.image);
+    if (frame.scene.look.model != ShadingModel::Flat) reads.insert(FrameImage::Gradient);
+    for (const Layer& layer : live_layers(frame)) reads.insert(layer.image);
     return reads;
 }
 
 void run_shading(FrameContext& frame) {
     const Look& look = frame.scene.look;
-    const std::vector<Layer> layers = live_layers(look);
+    const std::vector<Layer> layers = live_layers(frame);
     std::map<Blend, std::size_t> counts;
     for (const Layer& layer : layers) ++counts[layer.blend];
-    const gl::Program& program = frame.shaders.program(
-        shading_program(look.model, look.shows_environment, look.lights.size(), counts));
+    const gl::Program& program = frame.shaders.program(shading_program(
+        look.model, look.shows_environment, look.lights.size(), frame.objects.size(), counts));
 
     frame.targets.texture(FrameImage::Hit).bind_to_unit(0);
     int unit = first_layer_unit;
     std::map<Blend, int> numbers;
     for (const Layer& layer : layers) {
         frame.targets.texture(layer.image).bind_to_unit(static_cast<unsigned>(unit++));
-        const char* name = layer.blend == Blend::SurfaceColour  ? "u_surface_strengths"
-                           : layer.blend == Blend::AmbientLight ? "u_ambient_strengths"
-                           : layer.blend == Blend::DirectLight  ? "u_shadow_strengths"
-                                                                : "u_overlay_strengths";
+        const char* name = layer.blend == Blend::SurfaceColour   ? "u_surface_strengths"
+                           : layer.blend == Blend::SurfaceFactor ? "u_factor_strengths"
+                           : layer.blend == Blend::AmbientLight  ? "u_ambient_strengths"
+                           : layer.blend == Blend::DirectLight   ? "u_shadow_strengths"
+                                                                 : "u_overlay_strengths";
         program.set(fmt::format("{}[{}]", name, numbers[layer.blend]++).c_str(),
                     static_cast<float>(layer.strength));
     }
 
     const Material& material = look.material;
-    program.set("u_colour", to_float(material.colour));
+    for (std::size_t i = 0; i < frame.objects.size(); ++i) {
+        const FieldObject& object = frame.objects[i].object;
+        const Vec3d colour = object.colour.value_or(material.colour);
+        program.set(fmt::format("u_colours[{}]", i).c_str(), to_float(colour));
+        if (frame.objects.size() > 1)
+            program.set(fmt::format("u_colours[{}]", frame.objects.size() + i).c_str(),
+                        to_float(object.cut_colour.value_or(colour)));
+    }
     if (look.model != ShadingModel::Flat) {
         frame.targets.texture(FrameImage::Gradient).bind_to_unit(1);
-        const Mat3d world_from_view = frame.camera.view_from_world_rotation().transpose();
         for (std::size_t i = 0; i < look.lights.size(); ++i) {
             const Light& light = look.lights[i];
-            const Vec3d direction =
-                light.is_in_view_space ? Vec3d(world_from_view * light.direction) : light.direction;
             program.set(fmt::format("u_light_directions[{}]", i).c_str(),
-                        to_float(direction.normalized()));
+                        to_float(direction_world(light, frame.camera)));
             program.set(fmt::format("u_light_colours[{}]", i).c_str(), to_float(light.colour));
             if (light.shadow != Shadow::None && counts.contains(Blend::DirectLight))
                 program.set("u_shadowed_light", static_cast<int>(i));
@@ -153,8 +168,9 @@ std::vector<gl::ProgramKey> shading_programs() {
             for (const std::size_t count : {0, 1, 3}) {
                 const std::size_t factors = model == ShadingModel::Flat ? 0 : count;
                 keys.push_back(
-                    shading_program(model, shows_environment, 1 + count,
+                    shading_program(model, shows_environment, 1 + count, count == 1 ? 2 : 1,
                                     {{Blend::SurfaceColour, count},
+                                     {Blend::SurfaceFactor, count},
                                      {Blend::AmbientLight, factors},
                                      {Blend::DirectLight, std::min<std::size_t>(1, factors)},
                                      {Blend::Overlay, count}}));

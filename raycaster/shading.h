@@ -9,6 +9,7 @@ namespace isocast {
 /// What shading does with an effect's image.
 enum class Blend {
     SurfaceColour, // before light: colours are mixed by coverage
+    SurfaceFactor, // then r times the colour, by coverage
     AmbientLight,  // r times the ambient light
     DirectLight,   // r times the light that casts shadows
     Overlay,       // after light: colours are mixed by coverage
@@ -25,8 +26,11 @@ struct Layer {
 /// Those of every effect there is, in the order in which they are applied.
 std::vector<Layer> layers_of(const Look& look);
 
-/// The images that shading reads.
-ImageSet shading_reads(const Look& look);
+/// The light that casts shadows, or none.
+const Light* casting_light(const Look& look);
+
+/// The images that shading reads; where no tile shows the surface, none that effects make.
+ImageSet shading_reads(const FrameContext& frame);
 
 void run_shading(FrameContext& frame);
 

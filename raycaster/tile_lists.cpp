@@ -24,11 +24,13 @@ struct TileBox {
 /// Blocks seen by a camera.
 class Viewer {
 public:
-    Viewer(const GridSpace& space, const Camera& camera, int width, int height)
+    Viewer(const GridSpace& space, const Camera& camera, int width, int height,
+           const PicturePart& part)
         : is_perspective_(camera.projection == Projection::Perspective),
-          columns_((width + tile_pixels - 1) / tile_pixels),
-          rows_((height + tile_pixels - 1) / tile_pixels), centre_x_(width / 2.0 / tile_pixels),
-          centre_y_(height / 2.0 / tile_pixels) {
+          columns_((part.width + tile_pixels - 1) / tile_pixels),
+          rows_((part.height + tile_pixels - 1) / tile_pixels),
+          centre_x_((width / 2.0 - part.first_pixel(height).x()) / tile_pixels),
+          centre_y_((height / 2.0 - part.first_pixel(height).y()) / tile_pixels) {
         const Mat3d rotation = camera.view_from_world_rotation();
         view_from_index_ = rotation * space.world_from_index.linear();
         offset_view_ = rotation * (space.world_from_index.translation() - camera.eye_world);
@@ -86,7 +88,7 @@ private:
     bool is_perspective_;
     int columns_;
     int rows_;
-    double centre_x_; // of the picture [tiles]
+    double centre_x_; // of the picture, from the part's corner [tiles]
     double centre_y_;
     Mat3d view_from_index_;
     Vec3d offset_view_;
@@ -128,16 +130,18 @@ auto all_blocks(const BlockRanges& ranges, const std::vector<ActivePage>& active
 
 } // namespace
 
-std::vector<Eigen::Vector4i> TileLists::runs() const {
+std::vector<Eigen::Vector4i> runs_of_tiles(int width, int height,
+                                           const std::function<bool(std::size_t)>& is_seen) {
     std::vector<Eigen::Vector4i> runs;
-    for (int y = 0; y < height; ++y) {
+    const int columns = tiles_along(width);
+    for (int y = 0; y < tiles_along(height); ++y) {
         const auto is_empty = [&](int x) {
-            return lists[static_cast<std::size_t>(x + width * y)][1] == 0;
+            return !is_seen(static_cast<std::size_t>(x + columns * y));
         };
         int x = 0;
-        while (x < width) {
+        while (x < columns) {
             const int first = x;
-            while (x < width && !is_empty(x)) ++x;
+            while (x < columns && !is_empty(x)) ++x;
             if (x > first) runs.emplace_back(first, x, y, 0);
             ++x;
         }
@@ -145,9 +149,27 @@ std::vector<Eigen::Vector4i> TileLists::runs() const {
     return runs;
 }
 
+std::vector<Eigen::Vector4i> TileLists::runs() const {
+    return runs_of_tiles(tile_pixels * width, tile_pixels * height,
+                         [&](std::size_t tile) { return lists[tile][1] != 0; });
+}
+
+std::vector<Eigen::Vector4i> union_of_runs(std::span<const std::vector<Eigen::Vector4i>> runs,
+                                           int width, int height) {
+    const int columns = tiles_along(width);
+    std::vector<std::uint8_t> is_seen(static_cast<std::size_t>(columns * tiles_along(height)));
+    for (const std::vector<Eigen::Vector4i>& some : runs)
+        for (const Eigen::Vector4i& run : some)
+            std::fill_n(is_seen.begin() + run[0] + std::ptrdiff_t{columns} * run[2],
+                        run[1] - run[0], std::uint8_t{1});
+    return runs_of_tiles(width, height, [&](std::size_t tile) { return is_seen[tile] != 0; });
+}
+
 TileLists list_blocks(const BlockRanges& ranges, const std::vector<ActivePage>& active,
-                      const GridSpace& space, const Camera& camera, int width, int height) {
-    const Viewer viewer(space, camera, width, height);
+                      const GridSpace& space, const Camera& camera, int width, int height,
+                      const std::optional<PicturePart>& asked_part) {
+    const PicturePart part = asked_part.value_or(PicturePart{.width = width, .height = height});
+    const Viewer viewer(space, camera, width, height, part);
     std::vector<SeenBlock> seen = all_blocks(ranges, active, [&](const Index3& block, int number) {
         return SeenBlock{viewer.order_of(block), number, viewer.tiles_of(block)};
     });
@@ -157,8 +179,7 @@ TileLists list_blocks(const BlockRanges& ranges, const std::vector<ActivePage>& 
     std::ranges::sort(seen, {},
                       [](const SeenBlock& block) { return std::pair(block.order, block.number); });
 
-    TileLists tiles{
-        (width + tile_pixels - 1) / tile_pixels, (height + tile_pixels - 1) / tile_pixels, {}, {}};
+    TileLists tiles{tiles_along(part.width), tiles_along(part.height), {}, {}};
     tiles.lists.assign(static_cast<std::size_t>(tiles.width * tiles.height),
                        Eigen::Vector2i::Zero());
     const auto for_each_tile = [&](const TileBox& box, int y_lo, int y_hi, auto visit) {
@@ -192,14 +213,14 @@ TileLists list_blocks(const BlockRanges& ranges, const std::vector<ActivePage>& 
 
 std::vector<Eigen::Vector4i> whole_picture(int width, int height) {
     std::vector<Eigen::Vector4i> runs;
-    for (int y = 0; y * tile_pixels < height; ++y)
-        runs.emplace_back(0, (width + tile_pixels - 1) / tile_pixels, y, 0);
+    for (int y = 0; y * tile_pixels < height; ++y) runs.emplace_back(0, tiles_along(width), y, 0);
     return runs;
 }
 
 BlockOrder order_blocks(const BlockRanges& ranges, const std::vector<ActivePage>& active,
                         const GridSpace& space, const Camera& camera) {
-    const Viewer viewer(space, camera, tile_pixels, tile_pixels);
+    const Viewer viewer(space, camera, tile_pixels, tile_pixels,
+                        {.width = tile_pixels, .height = tile_pixels});
     std::vector<std::pair<double, std::int32_t>> seen =
         all_blocks(ranges, active, [&](const Index3& block, int number) {
             return std::pair(viewer.order_of(block), number);

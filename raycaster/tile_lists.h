@@ -6,6 +6,9 @@
 #include "filtering/blocks.h"
 #include "raycaster/camera.h"
 
+#include <functional>
+#include <optional>
+#include <span>
 #include <vector>
 
 namespace isocast {
@@ -28,8 +31,24 @@ struct TileLists {
 
 /// A block is seen in the rectangle around its eight corners; one that reaches behind the eye,
 /// everywhere. Blocks are numbered in the order of `active`, within a page by place_in_page.
+///
+/// part  whose tiles these are, of a picture of width x height; all of it if empty
 TileLists list_blocks(const BlockRanges& ranges, const std::vector<ActivePage>& active,
-                      const GridSpace& space, const Camera& camera, int width, int height);
+                      const GridSpace& space, const Camera& camera, int width, int height,
+                      const std::optional<PicturePart>& part = {});
+
+inline int tiles_along(int pixels) {
+    return (pixels + tile_pixels - 1) / tile_pixels;
+}
+
+/// The tiles of a picture, numbered along x first, of which `is_seen(number)` holds, in runs as
+/// TileLists::runs().
+std::vector<Eigen::Vector4i> runs_of_tiles(int width, int height,
+                                           const std::function<bool(std::size_t)>& is_seen);
+
+/// The runs of the tiles that any of several lists of runs hold.
+std::vector<Eigen::Vector4i> union_of_runs(std::span<const std::vector<Eigen::Vector4i>> runs,
+                                           int width, int height);
 
 /// The runs of all tiles of a picture, as TileLists::runs().
 std::vector<Eigen::Vector4i> whole_picture(int width, int height);

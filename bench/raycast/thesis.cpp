@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "raycast/raycast_bench.h"
 #include "raycast/silhouette.h"
+#include "raycaster/image_files.h"
 
 #include <fmt/format.h>
 

@@ -17,17 +17,18 @@ gl::ProgramKey accessibility_program() {
 /// A ball of this radius does not fit into the tightest 5 % of the picture's concave places.
 /// Nothing where none of these is seen.
 std::optional<double> radius_of(FrameContext& frame) {
-    const double flat = flat_curvature(*frame.scene.field);
-    const auto found = frame.look_textures.range("accessibility", [&] {
-        return curvature_percentiles(frame, 0, 0.95, [&](double, double k2) {
-            return k2 < -flat ? std::optional(-k2) : std::nullopt;
-        });
+    const double flat = flat_curvature(frame);
+    const auto found = frame.look_textures.number("accessibility", [&] {
+        return percentile(frame, FrameImage::Curvature, 0.95,
+                          [&](const float* k) -> std::optional<double> {
+                              if (k[3] == no_gradient || k[1] >= -flat) return {};
+                              return -k[1];
+                          });
     });
     if (!found) return std::nullopt;
-    const double radius = 1 / (*found)[1];
     frame.notes.push_back(
-        fmt::format("accessibility: black where a ball of {:.4g} does not fit", radius));
-    return radius;
+        fmt::format("accessibility: black where a ball of {:.4g} does not fit", 1 / *found));
+    return 1 / *found;
 }
 
 } // namespace

@@ -38,16 +38,23 @@ Range range_of(FrameContext& frame, const CurvatureColour& colour, ColourMap map
     if (colour.range) return *colour.range;
     if (colour.measure == CurvatureMeasure::ShapeIndex) return {-1, 1};
     const bool is_symmetric = map == ColourMap::CoolWarm;
-    const auto found = frame.look_textures.range("curvature colour", [&] {
-        return curvature_percentiles(frame, 0.02, 0.98, [&](double k1, double k2) {
-            const double value = curvature_measure(colour.measure, k1, k2);
-            return is_symmetric ? std::abs(value) : value;
+    const auto kept_percentile = [&](const std::string& name, double share) {
+        return frame.look_textures.number("curvature colour " + name, [&] {
+            return percentile(
+                frame, FrameImage::Curvature, share, [&](const float* k) -> std::optional<double> {
+                    if (k[3] == no_gradient) return {};
+                    const double value = curvature_measure(colour.measure, k[0], k[1]);
+                    return is_symmetric ? std::abs(value) : value;
+                });
         });
-    });
-    if (!found) return {-1, 1}; // nothing is drawn
-    const double flat = flat_curvature(*frame.scene.field);
+    };
+    const auto low_found = kept_percentile("low", 0.02);
+    const auto high_found = kept_percentile("high", 0.98);
+    if (!low_found || !high_found) return {-1, 1}; // nothing is drawn
+    const double flat = flat_curvature(frame);
     const double least = colour.measure == CurvatureMeasure::Gauss ? flat * flat : flat;
-    const auto [low, high] = *found;
+    const double low = *low_found;
+    const double high = *high_found;
     if (is_symmetric) return {-std::max(high, least), std::max(high, least)};
     // A tenth: what varies less is one curvature to the eye, and its variation mostly an error.
     const double width =

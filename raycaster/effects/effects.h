@@ -6,6 +6,17 @@
 
 namespace isocast {
 
+void run_contours(FrameContext& frame);
+void run_ridges(FrameContext& frame);
+void run_uncertainty(FrameContext& frame);
+/// Normals and depths in the form that outlines are found in.
+void run_outline_source(FrameContext& frame);
+void run_outlines(FrameContext& frame);
+
+std::vector<gl::ProgramKey> contours_programs();
+std::vector<gl::ProgramKey> ridges_programs();
+std::vector<gl::ProgramKey> uncertainty_programs();
+std::vector<gl::ProgramKey> outlines_programs();
 void run_solid_texture(FrameContext& frame);
 void run_curvature_colour(FrameContext& frame);
 void run_curvature_map(FrameContext& frame);
@@ -13,7 +24,7 @@ void run_accessibility(FrameContext& frame);
 void run_refraction(FrameContext& frame);
 void run_reflection(FrameContext& frame);
 
-/// Of the effects declared here.
+/// Of solid textures, curvatures as colours, accessibility and refraction.
 /// throws  InputError for numbers out of their range, and for a solid texture without its volume,
 ///         with one that fits no texture, or with an unknown filter
 void check_colour_effects(const Effects& effects);

@@ -6,21 +6,23 @@
 
 namespace isocast {
 
-/// Length of the diagonal of the field's extent [world].
-double extent_diagonal_world(const FieldSource& field);
+/// Of FrameImage::Curvature: the gradient vanishes there.
+inline constexpr float no_gradient = 2;
+
+/// Length of the longest diagonal of an object's extent [world].
+double extent_diagonal_world(const FrameContext& frame);
 
 /// A curvature that nobody sees: a radius of a hundred objects, which across the object makes a
 /// bulge of an 800th of it [1/world].
-inline double flat_curvature(const FieldSource& field) {
-    return 1e-2 / extent_diagonal_world(field);
+inline double flat_curvature(const FrameContext& frame) {
+    return 1e-2 / extent_diagonal_world(frame);
 }
 
-/// The values of `measure` of (k1, k2) that the shares `low` and `high` of the hits do not exceed.
+/// The least value that a `share` of the hits do not exceed; nothing in a picture without hits.
 ///
-/// measure  may give nothing: that hit does not count, nor do those without a gradient
-/// returns  nothing where no hit counts
-std::optional<std::array<double, 2>>
-curvature_percentiles(FrameContext& frame, double low, double high,
-                      const std::function<std::optional<double>(double, double)>& measure);
+/// image    an image of the frame that has been drawn, as Hit has
+/// measure  of a pixel's four floats; may give nothing: that hit does not count
+std::optional<double> percentile(FrameContext& frame, FrameImage image, double share,
+                                 const std::function<std::optional<double>(const float*)>& measure);
 
 } // namespace isocast

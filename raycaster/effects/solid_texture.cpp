@@ -56,7 +56,7 @@ void set_procedural(const gl::Program& program, const FrameContext& frame,
     Mat3d linear;
     linear << across.transpose(), axis.cross(across).transpose(), axis.transpose();
     // A twelfth: some ten periods across the object.
-    linear /= texture.scale_world.value_or(extent_diagonal_world(*frame.scene.field) / 12);
+    linear /= texture.scale_world.value_or(extent_diagonal_world(frame) / 12);
     const Vec3d eye = linear * (frame.camera.eye_world - texture.origin_world);
     // Of all that is drawn: the noise's 256, stretched by four along a trunk.
     constexpr double period = 1024;

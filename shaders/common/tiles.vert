@@ -4,7 +4,7 @@
 // twin  raycaster/tile_lists.cpp
 #version 450 core
 
-layout(binding = 7) uniform isamplerBuffer t_runs; // x of the first tile and past the last, y, 0
+layout(binding = 31) uniform isamplerBuffer t_runs; // x of the first tile and past the last, y, 0
 uniform vec2 u_clip_from_tile;                     // 2 tile / picture size, per axis
 
 void main() {

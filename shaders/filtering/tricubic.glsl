@@ -94,6 +94,7 @@ vec3 tricubic_gradient(int address, vec3 a) {
 struct Derivatives {
     vec3 gradient; // [stored units/cell]
     mat3 hessian;  // [stored units/cell^2]
+    float greatest; // |sample| of those that these are sums of [stored units]
 };
 
 Derivatives tricubic_derivatives(int address, vec3 a) {
@@ -104,11 +105,13 @@ Derivatives tricubic_derivatives(int address, vec3 a) {
     vec3 gradient = vec3(0.0);
     vec3 pure = vec3(0.0);  // xx, yy, zz
     vec3 mixed = vec3(0.0); // yz, xz, xy
+    vec4 greatest = vec4(0.0);
     for (int k = first_row; k < last_row; ++k) {
         vec3 plane = vec3(0.0);        // x, y, value
         vec3 plane_second = vec3(0.0); // xx, yy, xy
         for (int j = first_row; j < last_row; ++j) {
             vec4 row = row_of_four(address + j * ROW_STRIDE + k * PLANE_STRIDE);
+            greatest = max(greatest, abs(row));
             float value = dot(w.x, row);
             float first = dot(w.dx, row);
             plane += vec3(w.y[j] * first, w.dy[j] * value, w.y[j] * value);
@@ -119,7 +122,8 @@ Derivatives tricubic_derivatives(int address, vec3 a) {
         mixed += vec3(w.dz[k] * plane.yx, w.z[k] * plane_second.z);
     }
     return Derivatives(gradient, mat3(pure.x, mixed.z, mixed.y, mixed.z, pure.y, mixed.x, mixed.y,
-                                      mixed.x, pure.z));
+                                      mixed.x, pure.z),
+                       max(max(greatest.x, greatest.y), max(greatest.z, greatest.w)));
 }
 
 // Value and slope, and gradient, by the fewest fetches, for what may err by fetch_error() of a slope bound [1/cell].

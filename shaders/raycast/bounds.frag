@@ -10,7 +10,7 @@ flat in float v_plane; // from the table's corner [voxels]
 out vec2 o_bounds; // t, -t
 
 void main() {
-    Ray ray = pixel_ray(gl_FragCoord.xy);
+    Ray ray = pixel_ray();
     float t = (v_plane - (ray.point - u_table_lo)[v_axis]) * inverse_of(ray.direction)[v_axis];
     o_bounds = vec2(t, -t);
 }

@@ -34,9 +34,9 @@ vec3 field_gradient(vec3 p_local) {
 // surface.
 Derivatives field_derivatives(vec3 p_local) {
     uint word = word_at(block_of(p_local));
-    if (!is_active(word)) return Derivatives(vec3(0.0), mat3(0.0));
+    if (!is_active(word)) return Derivatives(vec3(0.0), mat3(0.0), 0.0);
     Block b = fetch_block(int(word & word_number));
     Cell c = cell_of(b.address, b.scale, p_local - (u_table_lo + b.lo));
     Derivatives f = tricubic_derivatives(c.address, c.a);
-    return Derivatives(b.scale * f.gradient, b.scale * b.scale * f.hessian);
+    return Derivatives(b.scale * f.gradient, b.scale * b.scale * f.hessian, f.greatest);
 }

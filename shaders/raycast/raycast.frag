@@ -36,6 +36,17 @@ uniform mat3 u_world_from_index;
 uniform vec3 u_extent_lo;
 uniform vec3 u_extent_hi;
 
+#if IS_OPERAND
+// An object of several, searched from its last root on (compose.frag).
+layout(binding = 5) uniform sampler2D t_root;    // that root; 0 before the first search
+layout(binding = 6) uniform sampler2D t_pending; // whether to search, by bits
+uniform int u_operand;
+uniform float u_near_share; // of the way from `point` back to the ray's start, where distances count from
+uniform vec2 u_restart;     // how far behind a root the search goes on [voxels] [world]
+const float no_root = 1e30;
+#endif
+
+// With IS_OPERAND w is the distance [world], negative if the ray is inside before the root.
 layout(location = 0) out vec4 o_hit; // eye-relative position [world], object (0: none)
 #if HAS_GRADIENT
 // What raycast/derivatives.frag would find: here the hit's block is known, and reading hits again is
@@ -48,7 +59,7 @@ uniform float u_world_from_stored;
 
 void main() {
     o_hit = vec4(0.0);
-    Ray ray = pixel_ray(gl_FragCoord.xy);
+    Ray ray = pixel_ray();
     vec3 d = ray.direction;
     vec3 inverse = inverse_of(d);
     // Along an axis on which the ray does not move, the middle of its cell stands for its place: in a
@@ -57,12 +68,41 @@ void main() {
     vec2 range = clip_to_box(mix(ray.point, floor(ray.point) + 0.5, is_still), inverse, u_extent_lo,
                              u_extent_hi);
     range.x = max(range.x, ray.t_start);
+#if IS_OPERAND
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    bool is_pending = (int(texelFetch(t_pending, pixel, 0).r) >> u_operand & 1) != 0;
+    float last = texelFetch(t_root, pixel, 0).w;
+    float world_from_t = length(u_world_from_index * d);
+    float t_near = u_near_share * ray.t_start;
+    if (last != 0.0)
+        range.x = max(range.x, (abs(last) + u_restart.y) / world_from_t + t_near + u_restart.x);
+    range.y = is_pending ? range.y : range.x;
+#endif
 
     // On which side the ray starts; not known yet if it does in an active block.
     // Rounding must not lead out of the field: beyond its extent the table knows nothing.
     vec3 start = clamp(ray.point + range.x * d, u_extent_lo, u_extent_hi);
     uint word = word_at(block_of(start));
     float side = is_active(word) ? 0.0 : (word & word_inside) != 0u ? -1.0 : 1.0;
+#if IS_OPERAND
+    // The side is told even if there is no root, and behind a root it is the other one. Where the
+    // field has come back by then, this is the next root. Beyond the table's faces the side is
+    // theirs.
+    vec3 in_table = clamp(start, u_table_lo,
+                          u_table_lo + block_size * vec3(page_blocks * u_table_pages));
+    bool is_in_extent = range.x < range.y;
+    float seen = side == 0.0 ? 1.0 : side;
+    bool is_unknown = is_in_extent && side == 0.0;
+    while (is_unknown) { // a loop for a condition: see derivatives.frag
+        seen = field_value(in_table, seen);
+        is_unknown = seen > no_root; // never
+    }
+    bool has_side = seen < 0.0 && is_in_extent;
+    side = last != 0.0 ? -sign(last) : has_side ? -1.0 : 1.0;
+    bool is_root_at_start = is_in_extent && (seen < 0.0) != (side < 0.0);
+    float t_root_found = is_root_at_start ? range.x : no_root;
+    range.y = is_root_at_start ? range.x : range.y;
+#endif
 
     Accuracy accuracy = accuracy_of_frame();
     vec3 point = ray.point - u_table_lo;
@@ -106,12 +146,23 @@ void main() {
             bool is_hit = look(b, accuracy, point, d, inverse, side, search);
             float t = search.t_in + search.s;
             if (is_hit) o_hit = vec4(world_from_index * (ray.from_eye + t * d), 1.0);
+#if IS_OPERAND
+            t_root_found = is_hit ? t : t_root_found;
+#endif
             is_seeking = !search.is_on && !is_hit;
             if (is_seeking) way = next_block(way, false, place, d, inverse);
             is_seeking = is_seeking && has_block(way);
         }
         is_marching = search.is_on || is_seeking;
     }
+#if IS_OPERAND
+    // 1e-30: even at the eye it has a sign.
+    bool is_found = t_root_found < no_root;
+    float distance = is_found ? max(world_from_t * (t_root_found - t_near), 1e-30) : no_root;
+    if (is_root_at_start) o_hit.xyz = world_from_index * (ray.from_eye + t_root_found * d);
+    o_hit.w = side * distance;
+    if (!is_pending) discard;
+#endif
 #if HAS_GRADIENT
     o_gradient = vec4(0.0);
     bool is_to_do = o_hit.w != 0.0;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 // twin  raycaster/shading.cpp
 #version 450 core
+#include "common/pixel.glsl"
 #include "shading/lights.glsl" // before #if, since a file is included once
 #include "shading/normal.glsl"
 // MODEL: raycaster/look.h, ShadingModel.
@@ -20,15 +21,20 @@
 layout(binding = 0) uniform sampler2D t_hit;
 layout(binding = 1) uniform sampler2D t_gradient;
 uniform mat3 u_ray_vector; // world axes, affine in the pixel: towards the scene
-uniform vec3 u_colour;     // of the surface
+#if OBJECTS == 1
+uniform vec3 u_colours[1]; // of the surface
+#else
+uniform vec3 u_colours[2 * OBJECTS]; // of each object's surface, and of each where it is taken away
+#endif
 uniform vec3 u_background;
 
 out vec4 o_beauty; // linear RGB, coverage
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    vec3 direction = u_ray_vector * vec3(1.0, gl_FragCoord.xy);
-    if (texelFetch(t_hit, pixel, 0).w == 0.0) {
+    vec3 direction = u_ray_vector * vec3(1.0, picture_pixel());
+    float object = texelFetch(t_hit, pixel, 0).w;
+    if (object == 0.0) {
 #if SHOWS_ENVIRONMENT
         o_beauty = with_overlays(pixel, vec4(environment(direction, length(u_ray_vector[1]) / length(direction)), 0.0));
 #else
@@ -36,7 +42,8 @@ void main() {
 #endif
         return;
     }
-    vec3 colour = surface_colour(pixel, u_colour);
+    int number = int(abs(object)) - 1;
+    vec3 colour = surface_colour(pixel, u_colours[object < 0.0 ? OBJECTS + number : number]);
 #if MODEL != 2
     vec3 to_viewer = -normalize(direction);
     vec3 gradient = texelFetch(t_gradient, pixel, 0).xyz;

@@ -1,6 +1,7 @@
 // What an effect knows of the surface at its pixel.
 // SPDX-License-Identifier: MPL-2.0
 // twin  raycaster/effects/effects.cpp: set_surface_uniforms()
+#include "common/pixel.glsl"
 #include "shading/normal.glsl"
 
 layout(binding = 0) uniform sampler2D t_hit;
@@ -16,10 +17,10 @@ struct Surface {
     bool is_inside;   // the viewer, of the object
 };
 
-Surface surface_at(vec2 frag_coord) {
-    ivec2 pixel = ivec2(frag_coord);
+Surface surface_at_pixel() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec4 hit = texelFetch(t_hit, pixel, 0);
-    vec3 ray = u_ray_vector * vec3(1.0, frag_coord);
+    vec3 ray = u_ray_vector * vec3(1.0, picture_pixel());
     vec3 view = normalize(ray);
     vec3 gradient = texelFetch(t_gradient, pixel, 0).xyz;
     return Surface(hit.w, hit.xyz, view, length(u_ray_vector[1]) / length(ray),

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -16,23 +17,24 @@ constexpr int width = 12, height = 7;
 
 /// A frame whose pixel (x, y) hits at t = 3 + x along its ray, but for the first, which misses.
 FrameImages made_frame(const Camera& camera) {
+    const Image black{width, height, std::vector<float>(std::size_t{4} * width * height)};
     FrameImages frame;
-    for (Image* image : {&frame.beauty, &frame.hit, &frame.gradient})
-        *image = {width, height, std::vector<float>(std::size_t{4} * width * height)};
+    std::vector<float>& beauty = (frame[FrameImage::Beauty] = black).rgba;
+    std::vector<float>& hits = (frame[FrameImage::Hit] = black).rgba;
+    std::vector<float>& gradients = (frame[FrameImage::Gradient] = black).rgba;
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
             const std::size_t i = 4 * static_cast<std::size_t>(y * width + x);
-            for (std::size_t c = 0; c < 3; ++c)
-                frame.beauty.rgba[i + c] = float(x) / 16 + float(c) / 4;
             if (i == 0) continue;
+            for (std::size_t c = 0; c < 3; ++c) beauty[i + c] = float(x) / 16 + float(c) / 4;
             const Ray ray = camera_ray(camera, width, height, x + 0.5, y + 0.5);
             const Vec3d hit = ray.origin_world + (3 + x) * ray.direction_world - camera.eye_world;
             const Vec3d gradient = Vec3d(1 + x, -2, y);
             for (std::size_t c = 0; c < 3; ++c) {
-                frame.hit.rgba[i + c] = static_cast<float>(hit[static_cast<int>(c)]);
-                frame.gradient.rgba[i + c] = static_cast<float>(gradient[static_cast<int>(c)]);
+                hits[i + c] = static_cast<float>(hit[static_cast<int>(c)]);
+                gradients[i + c] = static_cast<float>(gradient[static_cast<int>(c)]);
             }
-            frame.beauty.rgba[i + 3] = frame.hit.rgba[i + 3] = frame.gradient.rgba[i + 3] = 1;
+            beauty[i + 3] = hits[i + 3] = gradients[i + 3] = 1;
         }
     return frame;
 }
@@ -99,12 +101,12 @@ TEST_P(ExrLayersOf, MissesAreInfinitelyFarAndEmpty) {
 TEST_P(ExrLayersOf, ColourIsHalfAndTheRestFloat) {
     for (const auto& [name, channel] : exr.channels)
         EXPECT_EQ(channel.as_half, name.size() == 1 && name != "Z") << name;
-    EXPECT_EQ(value("G", 4, 2), frame.beauty.pixel(4, 2)[1]);
+    EXPECT_EQ(value("G", 4, 2), frame.at(FrameImage::Beauty).pixel(4, 2)[1]);
     EXPECT_EQ(value("A", 4, 2), 1);
 }
 
 TEST_P(ExrLayersOf, OnlyTheLayersAskedForExist) {
-    const ExrImage plain = exr_image({frame.beauty, frame.hit, {}}, camera, {});
+    const ExrImage plain = exr_image(frame, camera, {});
     std::vector<std::string> names;
     for (const auto& [name, channel] : plain.channels) names.push_back(name);
     EXPECT_EQ(names, (std::vector<std::string>{"A", "B", "G", "R", "Z"}));
@@ -119,15 +121,17 @@ TEST_P(ExrLayersOf, CurvaturesOfKnownShapes) {
     constexpr std::array shapes{Shape{2, 2, 2, 4, 1, 2}, Shape{-3, -3, -3, 9, -1, 3},
                                 Shape{2, 0, 1, 0, 0.5, std::numbers::sqrt2},
                                 Shape{1, -1, 0, -1, 0, 1}, Shape{0, 0, 0, 0, 0, 0}};
-    frame.curvature = {width, height, std::vector<float>(std::size_t{4} * width * height)};
+    Image& curvatures = frame[FrameImage::Curvature];
+    curvatures = {width, height, std::vector<float>(std::size_t{4} * width * height)};
     for (std::size_t i = 0; i < shapes.size(); ++i) {
-        frame.curvature.rgba[4 * i] = shapes[i].k1;
-        frame.curvature.rgba[4 * i + 1] = shapes[i].k2;
-        frame.curvature.rgba[4 * i + 3] = 1;
+        float* pixel = &curvatures.rgba[4 * (i + 1)]; // the first is a miss
+        pixel[0] = shapes[i].k1;
+        pixel[1] = shapes[i].k2;
+        pixel[3] = float(1 + i % 3);
     }
     exr = exr_image(frame, camera, {.curvature = true});
     for (std::size_t i = 0; i < shapes.size(); ++i) {
-        const int x = static_cast<int>(i);
+        const int x = static_cast<int>(i) + 1;
         EXPECT_EQ(value("curvature.k1", x, 0), shapes[i].k1);
         EXPECT_EQ(value("curvature.k2", x, 0), shapes[i].k2);
         EXPECT_EQ(value("curvature.mean", x, 0), shapes[i].mean);
@@ -135,8 +139,62 @@ TEST_P(ExrLayersOf, CurvaturesOfKnownShapes) {
         EXPECT_FLOAT_EQ(value("curvature.shapeIndex", x, 0), static_cast<float>(shapes[i].index));
         EXPECT_FLOAT_EQ(value("curvature.curvedness", x, 0),
                         static_cast<float>(shapes[i].curvedness));
+        EXPECT_EQ(value("curvature.flag", x, 0), 1 + i % 3);
     }
-    EXPECT_EQ(value("curvature.k1", 7, 3), 0) << "a miss";
+    for (const char* name : {"k1", "curvedness", "flag"})
+        EXPECT_EQ(value(std::string("curvature.") + name, 0, 0), 0) << "a miss";
+}
+
+TEST_P(ExrLayersOf, DirectionsAreAFrameWithTheNormal) {
+    Image& directions = frame[FrameImage::Direction];
+    directions = frame.at(FrameImage::Gradient);
+    for (std::size_t i = 4; i < directions.rgba.size(); i += 4) {
+        // Across the gradient (1 + x, -2, y).
+        const Vec3d g(directions.rgba[i], directions.rgba[i + 1], directions.rgba[i + 2]);
+        const Vec3d t = g.cross(Vec3d::UnitY()).normalized();
+        for (std::size_t c = 0; c < 3; ++c)
+            directions.rgba[i + c] = static_cast<float>(t[static_cast<int>(c)]);
+    }
+    exr = exr_image(frame, camera, {.normal = true, .directions = true});
+    for (int y = 0; y < height; ++y)
+        for (int x = y == 0 ? 1 : 0; x < width; ++x) {
+            const Vec3d n = vector("N", x, y);
+            const Vec3d t1 = vector("T1", x, y);
+            const Vec3d t2 = vector("T2", x, y);
+            // 3e-7: float32 below 1, a few roundings.
+            EXPECT_LT((t1.cross(t2) - n).norm(), 3e-7);
+            EXPECT_NEAR(t1.dot(t2), 0, 3e-7);
+        }
+    EXPECT_EQ(vector("T1", 0, 0), Vec3d::Zero());
+    EXPECT_EQ(vector("T2", 0, 0), Vec3d::Zero());
+}
+
+TEST_P(ExrLayersOf, SharesAndNumbersAreZeroOnMisses) {
+    frame[FrameImage::Occlusion] = frame[FrameImage::Shadow] = frame.at(FrameImage::Hit);
+    std::ranges::fill(frame[FrameImage::Occlusion].rgba, 0.25F);
+    std::ranges::fill(frame[FrameImage::Shadow].rgba, 0.75F);
+    exr = exr_image(frame, camera, {.occlusion = true, .shadow = true, .id = true});
+    EXPECT_EQ(value("AO.Y", 3, 2), 0.25F);
+    EXPECT_EQ(value("shadow.Y", 3, 2), 0.75F);
+    EXPECT_EQ(value("id", 3, 2), 1);
+    for (const char* name : {"AO.Y", "shadow.Y", "id"}) EXPECT_EQ(value(name, 0, 0), 0) << name;
+}
+
+TEST_P(ExrLayersOf, RowsOfAPictureHaveTheWholeOnesMatrices) {
+    FrameImages rows = frame;
+    for (auto& [image, pixels] : rows) {
+        pixels.height = 2;
+        pixels.rgba.resize(std::size_t{4} * 2 * width);
+    }
+    const ExrImage part = exr_image(rows, camera, {}, double(width) / height);
+    EXPECT_EQ(part.matrices.at("worldToNDC"), exr.matrices.at("worldToNDC"));
+}
+
+TEST_P(ExrLayersOf, ColourIsLeftOutWhereNothingWasShaded) {
+    frame.erase(FrameImage::Beauty);
+    const ExrImage plain = exr_image(frame, camera, {.id = true});
+    EXPECT_EQ(plain.channels.size(), 2u);
+    EXPECT_TRUE(plain.channels.contains("Z") && plain.channels.contains("id"));
 }
 
 TEST(ExrLayers, AreNamedInAList) {
@@ -144,6 +202,8 @@ TEST(ExrLayers, AreNamedInAList) {
     EXPECT_FALSE(exr_layers_from("P").normal);
     EXPECT_TRUE(exr_layers_from("N,P").position && exr_layers_from("N,P").normal);
     EXPECT_TRUE(exr_layers_from("P,curvature").curvature);
+    EXPECT_TRUE(exr_layers_from("T,AO,shadow,id").directions);
+    EXPECT_TRUE(exr_layers_from("T,AO,shadow,id").id);
     for (const char* text : {"", "P,", "Q", "P N", "p"})
         EXPECT_THROW(exr_layers_from(text), UsageError) << text;
 }

@@ -15,6 +15,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -108,6 +109,61 @@ TEST(Render, ExplainNamesEveryPass) {
         isocast(render("field:torus@16", folder / "a.png", {"--explain", "--repeat", "3"})));
     for (const char* name : {"asked by", "raycast", "gradient", "shading", "output"})
         EXPECT_NE(text.find(name), std::string::npos) << text;
+}
+
+TEST(Render, ReportsWhatWasAskedForAndWhatDidNotRun) {
+    const TemporaryFolder folder;
+    const std::vector<std::string> alone{"--aov", "P,curvature", "--no-beauty"};
+    std::vector<std::string> more = alone;
+    more.emplace_back("--json");
+    const Json json =
+        Json::parse(checked_output(isocast(render("field:torus@16", folder / "a.exr", more))));
+    // No beauty is shaded, and no gradient, program or texture is there for it.
+    std::vector<std::string> ran;
+    for (const Json& pass : json["passes"]) ran.push_back(pass["name"]);
+    EXPECT_EQ(ran, (std::vector<std::string>{"raycast", "curvature"}));
+    EXPECT_EQ(json["programs"], 2);
+    for (const char* name : {"shading", "gradient"})
+        EXPECT_NE(std::ranges::find(json["idle_passes"], name), json["idle_passes"].end()) << name;
+    EXPECT_EQ(json["asked"], Json({"image 'hit'", "image 'curvature'"}));
+    EXPECT_EQ(json["look_bytes"], 0);
+    EXPECT_TRUE(json["notes"].is_array());
+    const ExrFile exr(folder / "a.exr");
+    EXPECT_FALSE(exr.channels.contains("R"));
+    EXPECT_TRUE(exr.channels.contains("curvature.flag"));
+
+    more = {"--explain", "--set", "shading.show_environment=true", "--samples", "4"};
+    const std::string text =
+        checked_output(isocast(render("field:torus@16", folder / "a.png", more)));
+    for (const char* words :
+         {"asked for: beauty of 4 samples a pixel, environment as the background",
+          "curvature                 -          -  nothing: does not run",
+          // 1024 x 512 texels of four halves.
+          "environment, maps and noise 4.00 MiB"})
+        EXPECT_NE(text.find(words), std::string::npos) << words << " in " << text;
+    EXPECT_EQ(isocast(render("field:torus@16", folder / "b.png", {"--no-beauty"})).code, 2);
+    EXPECT_EQ(isocast(render("field:torus@16", folder / "b.exr", {"--no-beauty"})).code, 2);
+}
+
+TEST(Render, OpenExrHasCoverageOrTheEnvironment) {
+    const TemporaryFolder folder;
+    const auto draw = [&](std::vector<std::string> more) {
+        more.insert(more.end(), {"--samples", "4"});
+        checked_output(isocast(render("field:sphere@16", folder / "a.exr", more)));
+        return ExrFile(folder / "a.exr").channels;
+    };
+    const auto covered = draw({});
+    const auto around = draw({"--set", "shading.show_environment=true"});
+    int edges = 0;
+    for (std::size_t i = 0; i < covered.at("A").size(); ++i) {
+        const float alpha = covered.at("A")[i];
+        edges += alpha > 0 && alpha < 1;
+        // Multiplied by coverage: no more than that share of the brightest colour, 1.25.
+        EXPECT_LE(covered.at("R")[i], 1.25 * alpha);
+        EXPECT_EQ(around.at("A")[i], 1);
+        EXPECT_GT(around.at("B")[i], 0);
+    }
+    EXPECT_GT(edges, 20);
 }
 
 TEST(Render, ExplainsWhyItFetchesAsItDoes) {

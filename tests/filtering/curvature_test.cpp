@@ -3,6 +3,8 @@
 #include "filtering/curvature.h"
 
 #include "../volume/random_fields.h"
+#include "filtering/filter.h"
+#include "filtering/reconstruct.h"
 #include "volume/analytic_fields.h"
 
 #include <gtest/gtest.h>
@@ -76,6 +78,66 @@ TEST(Curvature, OfACylinderIsZeroAlongIt) {
     }
 }
 
+TEST(NormalCurvature, IsEulersMixOfThePrincipalOnes) {
+    Random random(8);
+    for (const std::string_view name : {"gyroid", "cube", "torus"}) {
+        const AnalyticField field = builtin_field(name);
+        for (int i = 0; i < 1000; ++i) {
+            const Jet jet = field.jet(test::random_point(random, -0.9, 0.9));
+            const Curvatures c = principal_curvatures(jet.gradient, jet.hessian);
+            const double angle = test::random_real(random, -3, 3);
+            const Vec3d tangent = std::cos(angle) * c.direction1 + std::sin(angle) * c.direction2;
+            // Of a direction, only the tangential part counts.
+            const Vec3d direction = test::random_real(random, 0.1, 10) * tangent +
+                                    test::random_real(random, -10, 10) * jet.gradient.normalized();
+            const double expected =
+                c.k1 * std::pow(std::cos(angle), 2) + c.k2 * std::pow(std::sin(angle), 2);
+            // 100: how much longer than its tangential part a direction may be.
+            EXPECT_NEAR(normal_curvature(jet.gradient, jet.hessian, direction), expected,
+                        100 * tolerance * std::max(1.0, std::abs(c.k1) + std::abs(c.k2)));
+        }
+    }
+    EXPECT_EQ(normal_curvature(Vec3d::UnitX(), Mat3d::Ones(), Vec3d::UnitX()), 0);
+    EXPECT_EQ(normal_curvature(Vec3d::Zero(), Mat3d::Ones(), Vec3d::UnitX()), 0);
+}
+
+TEST(FlowLineCurvature, IsHowFastTheNormalTurnsAlongIt) {
+    Random random(9);
+    for (const std::string_view name : {"gyroid", "cube", "saddle", "marschner-lobb"}) {
+        const AnalyticField field = builtin_field(name);
+        for (int i = 0; i < 1000; ++i) {
+            const Vec3d p = test::random_point(random, -0.9, 0.9);
+            const Jet jet = field.jet(p);
+            const double length = jet.gradient.norm();
+            if (length < 0.3) continue; // where lines may bend at any rate
+            constexpr double step = 1e-6;
+            const Vec3d n = jet.gradient / length;
+            const double turning = (field.jet(p + step * n).gradient.normalized() -
+                                    field.jet(p - step * n).gradient.normalized())
+                                       .norm() /
+                                   (2 * step);
+            // Lines turn by at most 400 per unit here, and differences err by (400 step)^2 of that;
+            // roundings by 2^-52/step.
+            EXPECT_NEAR(flow_line_curvature(jet.gradient, jet.hessian), turning,
+                        1e-6 * std::max(1.0, turning));
+        }
+    }
+    EXPECT_EQ(flow_line_curvature(Vec3d::Zero(), Mat3d::Ones()), 0);
+}
+
+TEST(FlowLineCurvature, IsZeroOfDistances) {
+    Random random(10);
+    for (const std::string_view name : {"sphere", "torus", "cylinder"}) {
+        const AnalyticField field = builtin_field(name);
+        for (int i = 0; i < 1000; ++i) {
+            const Jet jet = field.jet(test::random_point(random, -1.4, 1.4));
+            // The Hessian is at most 1/distance to where distances have no derivative.
+            EXPECT_LT(flow_line_curvature(jet.gradient, jet.hessian),
+                      tolerance * std::max(1.0, jet.hessian.norm()));
+        }
+    }
+}
+
 TEST(Curvature, OfASaddleIsOneAndMinusOne) {
     const Jet jet = builtin_field("saddle").jet(Vec3d::Zero());
     const Curvatures c = principal_curvatures(jet.gradient, jet.hessian);
@@ -104,6 +166,54 @@ TEST(Curvature, SolvesTheEigenproblemForAnyNormal) {
         for (const auto& [k, d] : {std::pair{c.k1, c.direction1}, std::pair{c.k2, c.direction2}})
             EXPECT_LE((tangential * h * d / length - k * d).norm(), 1e-12 * scale);
     }
+}
+
+/// RMS error of k1 and k2 on the torus, by the interpolating spline of its samples.
+constexpr double minor = 0.4;
+double rms_on_the_torus(int samples_per_axis, std::optional<double> half_width_voxels) {
+    constexpr double major = 1;
+    const AnalyticField torus =
+        torus_field(Vec3d(0.011, -0.007, 0.003), {0.3, 1, 0.5}, major, minor);
+    AnalyticField in_a_cube = torus;
+    in_a_cube.half_extent_world = 1.75;
+    const auto control = control_samples(sampled(in_a_cube, samples_per_axis, half_width_voxels),
+                                         Filter::Interpolating);
+    Random random(6);
+    double squares = 0;
+    int count = 0;
+    while (count < 400) {
+        Vec3d p = test::random_point(random, -1.5, 1.5);
+        const Jet near = torus.jet(p);
+        if (std::abs(near.value) > 0.2) continue;
+        p -= near.value * near.gradient; // onto the torus
+        ++count;
+        const Jet jet = tricubic_jet(*control, control->space().to_index(p));
+        const Curvatures c = principal_curvatures(control->space().gradient_to_world(jet.gradient),
+                                                  control->space().hessian_to_world(jet.hessian));
+        const Jet exact = torus.jet(p);
+        const Curvatures e = principal_curvatures(exact.gradient, exact.hessian);
+        squares += (std::pow(c.k1 - e.k1, 2) + std::pow(c.k2 - e.k2, 2)) / 2;
+    }
+    return std::sqrt(squares / count);
+}
+
+/// The spline's second derivatives are of second order: as long as the band holds all that the
+/// control samples around a hit are made of, which is as far as 2 sqrt 3 + 1 = 4.5 voxels.
+TEST(Curvature, ConvergesAtSecondOrderInABandOfFiveVoxels) {
+    for (const std::optional<double> half_width : {std::optional<double>{}, {5.0}}) {
+        double before = rms_on_the_torus(48, half_width);
+        // (1/12) of fourth derivatives, at most 15/0.4^3, at voxels of 3.5/47; the RMS is a third.
+        EXPECT_LT(before, 15 / std::pow(minor, 3) / 12 * std::pow(3.5 / 47, 2) / 3);
+        for (const int n : {95, 189}) { // half the voxel each time
+            const double after = rms_on_the_torus(n, half_width);
+            // 2^2, less what the fourth order still has at 5 voxels in the minor radius.
+            EXPECT_GT(before / after, 3.6) << n;
+            EXPECT_LT(before / after, 4.4) << n;
+            before = after;
+        }
+    }
+    // In a narrower one the error stays where it reaches the band's edge.
+    EXPECT_LT(rms_on_the_torus(95, 3.0) / rms_on_the_torus(189, 3.0), 3.6);
 }
 
 /// Eq. 6.8 as printed is the zero vector here.

@@ -14,13 +14,14 @@ struct Declared {
     gl::ShaderLibrary shaders{{std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders"}};
     gl::VertexArray no_vertices;
     Scene scene;
+    FieldObject object;
     FieldOnGpu field;
     PlacesOnGpu places;
     Camera camera;
     FrameTargets targets;
     LookTextures look_textures;
-    FrameContext frame{shaders, no_vertices, scene, field,   field,        places,
-                       camera,  1,           1,     targets, look_textures};
+    FrameContext frame{shaders, no_vertices, scene, object, field,   field,        field,
+                       places,  camera,      1,     1,      targets, look_textures};
     std::vector<Pass> passes = declare_passes(frame);
 };
 
@@ -42,6 +43,21 @@ TEST(LivePasses, RunOnlyWhatTheOutputsNeed) {
               (Names{"raycast", "curvature"}));
     EXPECT_EQ(names(live_passes(declared.passes, {FrameImage::Beauty})),
               (Names{"raycast", "gradient", "shading"}));
+    EXPECT_EQ(names(live_passes(declared.passes, {FrameImage::Direction})),
+              (Names{"raycast", "direction"}));
+}
+
+TEST(LivePasses, OfFlowReadNormalsForTheSecondDirectionAlone) {
+    Declared declared;
+    Flow& flow = declared.scene.look.effects.flow;
+    flow.strength = 0.5;
+    EXPECT_EQ(names(live_passes(declare_passes(declared.frame), {FrameImage::Beauty})),
+              (Names{"raycast", "gradient", "direction", "flow noise", "flow", "shading"}));
+    EXPECT_EQ(names(live_passes(declare_passes(declared.frame), {FrameImage::Flow})),
+              (Names{"raycast", "direction", "flow noise", "flow"}));
+    flow.direction = 2;
+    EXPECT_EQ(names(live_passes(declare_passes(declared.frame), {FrameImage::Flow})),
+              (Names{"raycast", "gradient", "direction", "flow noise", "flow"}));
 }
 
 TEST(LivePasses, TheBoundsOfRaysAreForBoundingFacesAlone) {

@@ -1,6 +1,6 @@
 // PNG and EXR files, read back by their libraries.
 // SPDX-License-Identifier: MPL-2.0
-#include "raycaster/image.h"
+#include "raycaster/image_files.h"
 
 #include "volume/errors.h"
 
@@ -13,6 +13,7 @@
 #include <png.h>
 
 #include <cmath>
+#include <fstream>
 #include <limits>
 
 namespace isocast {
@@ -39,6 +40,93 @@ TEST(Png, HoldsTheSrgbBytesTopRowFirst) {
     ASSERT_NE(png_image_finish_read(&read, nullptr, bytes.data(), 0, nullptr), 0);
     EXPECT_EQ(bytes, (std::vector<png_byte>{0, 128, 255, 255, 0, 0, 255, 0, 0, 0, 0, 255}));
     std::filesystem::remove(path);
+}
+
+TEST(Png, WithAlphaHoldsColoursThatAreNotMultipliedByIt) {
+    const auto path = temporary("alpha.png");
+    PngFile file(path, 2, 2, true);
+    file.write({2, 1, {0.25f, 0.5f, 0, 0.5f, 0, 0, 0, 0}});
+    file.write({2, 1, {1, 1, 1, 1, 0.1f, 0.1f, 0.1f, 0.1f}});
+    EXPECT_FALSE(std::filesystem::exists(path));
+    file.finish();
+    const Image image = read_picture(path);
+    // 0.003: a byte of sRGB near linear 0.5 is 0.0037 wide.
+    EXPECT_NEAR(image.pixel(0, 0)[0], 0.5, 0.003);
+    EXPECT_EQ(image.pixel(0, 0)[1], 1);
+    EXPECT_NEAR(image.pixel(0, 0)[3], 0.5, 0.002); // a byte
+    EXPECT_EQ(image.pixel(1, 0)[3], 0);
+    EXPECT_EQ(image.pixel(1, 1)[2], 1);
+    std::filesystem::remove(path);
+}
+
+TEST(Png, GivesBackEveryByte) {
+    Image image{256, 1, {}};
+    for (int i = 0; i < 256; ++i) image.rgba.insert(image.rgba.end(), 4, linear_from_srgb(i));
+    const auto path = temporary("bytes.png");
+    write_png(image, path);
+    const Image read = read_picture(path);
+    for (int i = 0; i < 256; ++i) {
+        EXPECT_EQ(read.pixel(i, 0)[1], linear_from_srgb(i));
+        EXPECT_EQ(read.pixel(i, 0)[3], 1);
+    }
+    std::filesystem::remove(path);
+}
+
+TEST(Exr, IsReadAsAPictureWithOrWithoutColour) {
+    const auto path = temporary("picture.exr");
+    ExrImage image{.width = 2, .height = 1};
+    image.channels["Y"].values = {0.25f, 7};
+    write_exr(image, path);
+    EXPECT_EQ(read_picture(path).rgba, (std::vector<float>{0.25f, 0.25f, 0.25f, 1, 7, 7, 7, 1}));
+    image.channels["R"].values = {1, 2};
+    const auto refused = [&] {
+        try {
+            read_picture(path);
+        } catch (const InputError& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    write_exr(image, path);
+    EXPECT_NE(refused().find("no channel G (has: R, Y)"), std::string::npos) << refused();
+    image.channels["G"].values = {3, 4};
+    image.channels["B"].values = {5, NAN};
+    write_exr(image, path);
+    EXPECT_NE(refused().find("finite"), std::string::npos) << refused();
+    image.channels["B"].values = {5, 6};
+    write_exr(image, path);
+    EXPECT_EQ(read_picture(path).rgba, (std::vector<float>{1, 3, 5, 1, 2, 4, 6, 1}));
+    std::filesystem::remove(path);
+}
+
+TEST(Exr, WrittenInRowsIsTheSameFile) {
+    ExrImage image{.width = 3, .height = 5};
+    for (int i = 0; i < 15; ++i) {
+        image.channels["R"].values.push_back(float(i));
+        image.channels["Z"].values.push_back(float(i) / 3);
+    }
+    image.channels["R"].as_half = true;
+    const auto at_once = temporary("at_once.exr");
+    const auto in_rows = temporary("in_rows.exr");
+    write_exr(image, at_once);
+    ExrFile file(in_rows, 3, 5, image);
+    for (const auto& [first, count] : {std::pair(0, 2), std::pair(2, 1), std::pair(3, 2)}) {
+        ExrImage rows = image;
+        rows.height = count;
+        for (auto& [name, channel] : rows.channels) {
+            channel.values.erase(channel.values.begin(), channel.values.begin() + 3 * first);
+            channel.values.resize(std::size_t{3} * count);
+        }
+        file.write(rows);
+    }
+    file.finish();
+    const auto bytes = [](const std::filesystem::path& path) {
+        std::ifstream stream(path, std::ios::binary);
+        return std::string(std::istreambuf_iterator<char>(stream), {});
+    };
+    EXPECT_EQ(bytes(in_rows), bytes(at_once));
+    std::filesystem::remove(at_once);
+    std::filesystem::remove(in_rows);
 }
 
 TEST(Exr, GivesBackChannelsAndAttributes) {

@@ -214,6 +214,7 @@ Image drawn_in_order(const std::shared_ptr<const FieldSource>& field, const Came
     const BlockRanges ranges = find_block_ranges(*field, Kernel::BSpline);
     const std::vector<ActivePage> active = active_pages(ranges, 0);
     const Scene scene{.field = field};
+    const FieldObject object{.field = field};
     FieldOnGpu on_gpu(*field, *field, Kernel::BSpline, ranges, active, 0, {});
     PlacesOnGpu places(Traversal::TileLists, ranges, active, field->space(), camera, width, height);
     std::vector<Eigen::Vector4i> runs; // of one tile each
@@ -221,8 +222,7 @@ Image drawn_in_order(const std::shared_ptr<const FieldSource>& field, const Came
          list_blocks(ranges, active, field->space(), camera, width, height).runs())
         for (int x = run[0]; x < run[1]; ++x) runs.emplace_back(x, x + 1, run[2], 0);
     rearrange(runs);
-    places.run_count = static_cast<int>(runs.size());
-    places.runs = {std::as_bytes(std::span(runs)), gl::Format::Rgba32i, "tile runs"};
+    places.set_runs(std::move(runs));
     gl::ShaderLibrary shaders({shader_folder});
     const auto no_vertices = gl::VertexArray::without_attributes("no vertices");
     FrameTargets targets;
@@ -230,8 +230,8 @@ Image drawn_in_order(const std::shared_ptr<const FieldSource>& field, const Came
     hit = gl::Texture::image(format_of(FrameImage::Hit), width, height, "hit");
     targets.framebuffer(FrameImage::Hit) = gl::Framebuffer({&hit}, "hit");
     LookTextures look_textures;
-    FrameContext frame{shaders, no_vertices, scene,  on_gpu,  on_gpu,       places,
-                       camera,  width,       height, targets, look_textures};
+    FrameContext frame{shaders, no_vertices, scene, object, on_gpu,  on_gpu,       on_gpu,
+                       places,  camera,      width, height, targets, look_textures};
     for (const Pass& pass : live_passes(declare_passes(frame), {FrameImage::Hit})) pass.run();
     Image image{width, height, std::vector<float>(std::size_t{4} * width * height)};
     hit.read_rgba(image.rgba);

@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <fstream>
 #include <set>
 
 namespace isocast {
@@ -49,6 +51,25 @@ TEST(ShaderFiles, EveryOneIsPartOfAProgram) {
         if (file.is_regular_file() && file.path().extension() != ".md")
             present.insert(std::filesystem::relative(file.path(), shader_folder).string());
     EXPECT_EQ(present, used);
+}
+
+TEST(ShaderFiles, AskOnePlaceWhereInThePictureAPixelIs) {
+    // gl_FragCoord counts from the corner of the part that is drawn, and knows no shift: alone it
+    // is for texels. Else pictures in tiles, or of many samples a pixel, are wrong.
+    for (const char* folder : {"raycast", "shading", "common"})
+        for (const auto& file :
+             std::filesystem::recursive_directory_iterator(shader_folder / folder)) {
+            if (!file.is_regular_file() || file.path().filename() == "pixel.glsl") continue;
+            std::ifstream stream(file.path());
+            for (std::string line; std::getline(stream, line);) {
+                line = line.substr(0, line.find("//"));
+                for (auto at = line.find("gl_FragCoord"); at != std::string::npos;
+                     at = line.find("gl_FragCoord", at + 1))
+                    EXPECT_EQ(line.substr(at - std::min<std::size_t>(at, 6), 6), "ivec2(")
+                        << file.path() << ": " << line
+                        << "\nuse picture_pixel() of common/pixel.glsl";
+            }
+        }
 }
 
 } // namespace

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 // twin  raycaster/effects/reflection.cpp
 #version 450 core
+#include "common/pixel.glsl"
 #include "shading/environment/environment.glsl"
 #include "shading/environment/spread.glsl"
 
@@ -26,7 +27,7 @@ float reflectance(float cosine, float index) {
 out vec4 o_reflection; // linear RGB, share
 
 void main() {
-    Surface surface = surface_at(gl_FragCoord.xy);
+    Surface surface = surface_at_pixel();
     vec3 direction = reflect(surface.view, surface.normal);
     vec3 light = environment(direction, spread(direction, surface));
 #if HAS_FRESNEL

@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: MPL-2.0
 // twin  raycaster/effects/refraction.cpp
 #version 450 core
+#include "common/pixel.glsl"
 #include "shading/environment/environment.glsl"
 #include "shading/environment/spread.glsl"
 
@@ -11,7 +12,7 @@ uniform float u_index; // of the object; 1 outside
 out vec4 o_refraction; // linear RGB, share
 
 void main() {
-    Surface surface = surface_at(gl_FragCoord.xy);
+    Surface surface = surface_at_pixel();
     vec3 direction =
         refract(surface.view, surface.normal, surface.is_inside ? u_index : 1.0 / u_index);
     // Total reflection.

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 // twin  raycaster/effects/solid_texture.cpp
 #version 450 core
+#include "common/pixel.glsl"
 #include "shading/surface.glsl"
 // KIND: raycaster/look.h, SolidTexture::Kind; 4, a volume, with a KERNEL.
 #if KIND == 4
@@ -116,7 +117,7 @@ float share_of_b(Surface surface, vec3 d) {
 out vec4 o_solid_texture; // linear RGB, coverage
 
 void main() {
-    Surface surface = surface_at(gl_FragCoord.xy);
+    Surface surface = surface_at_pixel();
     o_solid_texture = vec4(0.0);
     // A loop for a condition, as in raycast/derivatives.frag.
     bool is_waiting = surface.object != 0.0;

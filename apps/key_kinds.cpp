@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MPL-2.0
+#include "apps/key_kinds.h"
+
+#include <charconv>
+#include <cmath>
+
+namespace isocast::keys {
+
+namespace {
+
+/// What a value is, for messages.
+std::string described(const SceneValue& value) {
+    struct Describe {
+        std::string operator()(bool b) const { return b ? "true" : "false"; }
+        std::string operator()(std::int64_t n) const { return std::to_string(n); }
+        std::string operator()(double x) const { return fmt::format("{}", x); }
+        std::string operator()(const std::string& text) const { return fmt::format("'{}'", text); }
+        std::string operator()(const std::vector<double>& list) const {
+            return fmt::format("{} numbers", list.size());
+        }
+        std::string operator()(const std::vector<std::string>& list) const {
+            return fmt::format("{} texts", list.size());
+        }
+    };
+    return std::visit(Describe{}, value);
+}
+
+[[noreturn]] void fail(const char* expected, const SceneValue& value) {
+    throw WrongType(fmt::format("expected {}, not {}", expected, described(value)));
+}
+
+} // namespace
+
+double number_of(const SceneValue& value) {
+    double number = std::numeric_limits<double>::quiet_NaN();
+    if (const auto* integer = std::get_if<std::int64_t>(&value))
+        number = static_cast<double>(*integer);
+    else if (const auto* real = std::get_if<double>(&value))
+        number = *real;
+    if (!std::isfinite(number)) fail("a number", value);
+    return number;
+}
+
+int integer_of(const SceneValue& value) {
+    const auto* integer = std::get_if<std::int64_t>(&value);
+    if (!integer || *integer != static_cast<int>(*integer)) fail("an integer", value);
+    return static_cast<int>(*integer);
+}
+
+bool truth_of(const SceneValue& value) {
+    const auto* truth = std::get_if<bool>(&value);
+    if (!truth) fail("true or false", value);
+    return *truth;
+}
+
+std::string text_of(const SceneValue& value) {
+    const auto* text = std::get_if<std::string>(&value);
+    if (!text) fail("text", value);
+    return *text;
+}
+
+std::vector<std::string> texts_of(const SceneValue& value) {
+    const auto* texts = std::get_if<std::vector<std::string>>(&value);
+    if (!texts) fail("a list of texts", value);
+    return *texts;
+}
+
+Vec3d vector_of(const SceneValue& value) {
+    const auto* list = std::get_if<std::vector<double>>(&value);
+    if (!list || list->size() != 3) fail("three numbers [x, y, z]", value);
+    const Vec3d vector((*list)[0], (*list)[1], (*list)[2]);
+    if (!vector.allFinite()) fail("three numbers [x, y, z]", value);
+    return vector;
+}
+
+Vec3d colour_of(const SceneValue& value) {
+    constexpr const char* expected = "a colour, [r, g, b] (linear, from 0) or \"#rrggbb\" (sRGB)";
+    if (const auto* text = std::get_if<std::string>(&value)) {
+        unsigned rgb = 0;
+        const char* end = text->data() + text->size();
+        if (text->size() != 7 || text->front() != '#' ||
+            std::from_chars(text->data() + 1, end, rgb, 16).ptr != end)
+            fail(expected, value);
+        Vec3d colour;
+        for (int c = 0; c < 3; ++c) colour[c] = linear_from_srgb(int(rgb >> (16 - 8 * c) & 0xff));
+        return colour;
+    }
+    const auto* list = std::get_if<std::vector<double>>(&value);
+    if (!list || list->size() != 3) fail(expected, value);
+    const Vec3d colour((*list)[0], (*list)[1], (*list)[2]);
+    if (!colour.allFinite() || !(colour.minCoeff() >= 0)) fail(expected, value);
+    return colour;
+}
+
+std::string written(double value) {
+    return fmt::format("{}", value);
+}
+
+std::string written(const Vec3d& value) {
+    return fmt::format("[{}, {}, {}]", value.x(), value.y(), value.z());
+}
+
+std::string Range::text() const {
+    const bool has_lo = std::isfinite(lo);
+    const bool has_hi = std::isfinite(hi);
+    if (has_lo && has_hi && !is_open) return fmt::format(" between {} and {}", lo, hi);
+    if (has_lo && has_hi)
+        return fmt::format(" above {} and {} {}", lo, is_open_above ? "below" : "up to", hi);
+    return has_lo ? fmt::format(" {} {}", is_open ? "above" : "from", lo) : "";
+}
+
+double Range::checked(double value) const {
+    const bool is_above = is_open ? value > lo : value >= lo;
+    const bool is_below = is_open_above ? value < hi : value <= hi;
+    if (!is_above || !is_below)
+        throw UsageError(fmt::format("expected a number{}, not {}", text(), value));
+    return value;
+}
+
+std::string resolved(const std::string& name, const std::filesystem::path& folder) {
+    const bool is_builtin = name.starts_with("field:") || name.starts_with("mesh:");
+    return is_builtin ? name : (folder / name).string();
+}
+
+} // namespace isocast::keys

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: MPL-2.0
+#include "apps/picture.h"
+
+#include "gl/objects.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace isocast {
+
+namespace {
+
+/// One frame, drawn `repeat` times: the median of each pass's times.
+FrameReport draw_frame(Renderer& renderer, const Camera& camera, const PictureRequest& request,
+                       const ImageSet& wanted, const PicturePart& part) {
+    FrameReport report;
+    std::vector<std::vector<double>> times;
+    for (int frame = 0; frame < request.repeat; ++frame) {
+        report = renderer.draw(camera, request.width, request.height, wanted, part);
+        times.resize(report.passes.size());
+        for (std::size_t i = 0; i < times.size(); ++i)
+            times[i].push_back(report.passes[i].milliseconds);
+    }
+    for (std::size_t i = 0; i < times.size(); ++i) {
+        auto middle = times[i].begin() + request.repeat / 2;
+        std::nth_element(times[i].begin(), middle, times[i].end());
+        report.passes[i].milliseconds = *middle;
+    }
+    return report;
+}
+
+/// Adds a frame's costs to those before it.
+void add(FrameReport& sum, FrameReport frame) {
+    if (sum.passes.empty()) {
+        sum = std::move(frame);
+        return;
+    }
+    for (std::size_t i = 0; i < sum.passes.size(); ++i) {
+        PassReport& pass = sum.passes[i];
+        PassReport& other = frame.passes[i];
+        other.milliseconds += pass.milliseconds;
+        other.texture_bytes = std::max(other.texture_bytes, pass.texture_bytes);
+        if (!other.ran || (pass.ran && pass.asked_by.size() > other.asked_by.size())) {
+            other.ran = pass.ran;
+            other.asked_by = pass.asked_by;
+            other.drawn_by = pass.drawn_by;
+        }
+    }
+    frame.image_bytes = std::max(frame.image_bytes, sum.image_bytes);
+    for (const std::string& note : sum.notes)
+        if (std::ranges::find(frame.notes, note) == frame.notes.end()) frame.notes.push_back(note);
+    sum = std::move(frame);
+}
+
+/// The part with what effects look at around it.
+PicturePart grown(const PicturePart& part, int reach, int width, int height) {
+    PicturePart out;
+    out.x = std::max(0, part.x - reach);
+    out.y = std::max(0, part.y - reach);
+    out.width = std::min(width, part.x + part.width + reach) - out.x;
+    out.height = std::min(height, part.y + part.height + reach) - out.y;
+    return out;
+}
+
+/// Adds `weight` times the pixels of `part`, out of `drawn` which shows `around`, to their place in
+/// rows that start at the part's.
+void add_pixels(Image& rows, const Image& drawn, const PicturePart& part, const PicturePart& around,
+                float weight) {
+    for (int y = 0; y < part.height; ++y) {
+        const float* from = drawn.pixel(part.x - around.x, part.y - around.y + y);
+        float* to = const_cast<float*>(rows.pixel(part.x, y));
+        for (int i = 0; i < 4 * part.width; ++i) to[i] += weight * from[i];
+    }
+}
+
+/// Each image that was asked for.
+FrameImages black_rows(const PictureRequest& request, int height) {
+    const Image black{request.width, height,
+                      std::vector<float>(std::size_t{4} * static_cast<std::size_t>(request.width) *
+                                         static_cast<std::size_t>(height))};
+    FrameImages rows;
+    for (const FrameImage image : request.others) rows[image] = black;
+    if (request.has_beauty) rows[FrameImage::Beauty] = black;
+    return rows;
+}
+
+} // namespace
+
+std::vector<Eigen::Vector2d> sample_shifts(int samples, PixelFilter filter) {
+    const auto moved = [filter](double u) {
+        if (filter == PixelFilter::Tent)
+            u = u < 0.5 ? std::sqrt(2 * u) - 0.5 : 1.5 - std::sqrt(2 - 2 * u);
+        return std::round(128 * (u - 0.5)) / 128;
+    };
+    std::vector<Eigen::Vector2d> shifts;
+    for (int i = 0; i < samples; ++i) {
+        double reversed = 0;
+        for (int bit = 1, place = samples / 2; bit < samples; bit *= 2, place /= 2)
+            if (i & bit) reversed += place;
+        shifts.emplace_back(moved((i + 0.5) / samples), moved((reversed + 0.5) / samples));
+    }
+    return shifts;
+}
+
+int reach_pixels(const Look& look) {
+    int reach = 0;
+    if (look.effects.outlines.strength > 0) reach = 2; // four bilinear fetches around the pixel
+    if (look.effects.flow.strength > 0)                // along a line, both ways
+        reach = std::max(reach, static_cast<int>(std::ceil(look.effects.flow.length_pixels)) + 2);
+    return reach;
+}
+
+std::vector<PicturePart> parts_of(int width, int height, int edge, int limit) {
+    // 2^24 pixels: 256 MiB of each image of floats. Rows of wide tiles need little memory.
+    int tile_width = std::min(4096, limit);
+    int tile_height = std::min(256, limit);
+    if (edge > 0)
+        tile_width = tile_height = std::min(edge, limit);
+    else if (width <= limit && height <= limit && std::int64_t{width} * height <= 1 << 24) {
+        tile_width = width;
+        tile_height = height;
+    }
+    std::vector<PicturePart> parts;
+    for (int y = 0; y < height; y += tile_height)
+        for (int x = 0; x < width; x += tile_width)
+            parts.push_back({.x = x,
+                             .y = y,
+                             .width = std::min(tile_width, width - x),
+                             .height = std::min(tile_height, height - y)});
+    return parts;
+}
+
+FrameReport draw_picture(Renderer& renderer, const Camera& camera, const PictureRequest& request,
+                         const std::function<void(const FrameImages&)>& write,
+                         const Progress& progress) {
+    ImageSet others;
+    for (const FrameImage image : request.others) others.insert(image);
+    const std::vector<Eigen::Vector2d> shifts =
+        sample_shifts(request.samples, request.pixel_filter);
+    const int reach = reach_pixels(renderer.look());
+    const std::vector<PicturePart> parts = parts_of(
+        request.width, request.height, request.tile_pixels, gl::max_image_extent() - 2 * reach);
+    FrameReport report;
+    FrameImages rows;
+    // One frame for all where it shows the pixels' middles.
+    const bool is_one_frame = request.has_beauty && request.samples == 1;
+    const std::size_t frames_of_part = (is_one_frame || !request.others.empty()) +
+                                       (request.has_beauty && !is_one_frame ? shifts.size() : 0);
+    int drawn = 0;
+    for (const PicturePart& part : parts) {
+        if (part.x == 0) rows = black_rows(request, part.height);
+        PicturePart around = grown(part, reach, request.width, request.height);
+        const auto draw = [&](const ImageSet& wanted) {
+            if (progress)
+                progress("drawing", double(drawn++) / double(parts.size() * frames_of_part));
+            add(report, draw_frame(renderer, camera, request, wanted, around));
+        };
+        const auto add_to_rows = [&](FrameImage image, float weight) {
+            add_pixels(rows.at(image), renderer.read(image), part, around, weight);
+        };
+        if (is_one_frame || !request.others.empty()) {
+            ImageSet wanted = others;
+            if (is_one_frame) wanted.insert(FrameImage::Beauty);
+            draw(wanted);
+            for (const FrameImage image : request.others) add_to_rows(image, 1);
+            if (is_one_frame) add_to_rows(FrameImage::Beauty, 1);
+        }
+        if (request.has_beauty && !is_one_frame) {
+            for (const Eigen::Vector2d& shift : shifts) {
+                around.shift = shift;
+                draw({FrameImage::Beauty});
+                add_to_rows(FrameImage::Beauty, 1.0F / static_cast<float>(request.samples));
+            }
+        }
+        if (part.x + part.width == request.width) write(rows);
+    }
+    return report;
+}
+
+} // namespace isocast

@@ -1,0 +1,48 @@
+// Pictures of any size: drawn in tiles, with many samples a pixel, and given row by row.
+// SPDX-License-Identifier: MPL-2.0
+#pragma once
+
+#include "apps/exr_layers.h"
+#include "apps/scene_file.h"
+#include "raycaster/renderer.h"
+
+namespace isocast {
+
+struct PictureRequest {
+    int width = 0;
+    int height = 0;
+    bool has_beauty = true;
+    std::vector<FrameImage> others; // from rays through the pixels' middles
+    int samples = 1;                // of the beauty, a pixel
+    PixelFilter pixel_filter = PixelFilter::Box;
+    int tile_pixels = 0; // 0: tiles only if the picture is large
+    int repeat = 1;      // each frame is drawn so often, for times
+};
+
+/// Where in a pixel its samples lie [pixels from its middle]: Hammersley's points, no two of which
+/// share a row or column, moved so that the filter is even weights. Multiples of 1/128.
+///
+/// samples  a power of two up to 64
+/// source   point i of n: ((i + 1/2)/n, the bits of i in reverse, + 1/2n); a tent by the inverse of
+///          its distribution function, along each axis
+std::vector<Eigen::Vector2d> sample_shifts(int samples, PixelFilter filter);
+
+/// How far around a pixel effects look at others.
+int reach_pixels(const Look& look);
+
+/// The parts in which a picture is drawn, row by row.
+///
+/// edge   of a part; 0: one part unless the picture is large
+/// limit  the longest side of one
+std::vector<PicturePart> parts_of(int width, int height, int edge, int limit);
+
+/// Draws the loaded scene. Pixels are bit by bit the same for any tiles.
+///
+/// write    takes the next rows, from the top; images that were not asked for are empty
+/// returns  what passes cost in all; bytes are those held at a time
+/// throws   as Renderer::draw
+FrameReport draw_picture(Renderer& renderer, const Camera& camera, const PictureRequest& request,
+                         const std::function<void(const FrameImages&)>& write,
+                         const Progress& progress = {});
+
+} // namespace isocast

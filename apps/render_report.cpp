@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: MPL-2.0
+#include "apps/render_report.h"
+
+#include "apps/verdict_json.h"
+#include "raycaster/shading.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+
+namespace isocast {
+
+std::vector<std::string> asked_for(const SceneFile& scene) {
+    const OutputSpec& output = scene.output;
+    std::vector<std::string> asked;
+    if (output.has_beauty)
+        asked.push_back(output.samples == 1
+                            ? "beauty"
+                            : fmt::format("beauty of {} samples a pixel", output.samples));
+    if (output.layers)
+        for (const FrameImage image : images_of(*output.layers))
+            asked.push_back(fmt::format("image '{}'", name_of(image)));
+    if (!output.has_beauty) return asked;
+    for (const Layer& layer : layers_of(scene.look))
+        if (layer.strength > 0)
+            asked.push_back(fmt::format("{} at strength {}", name_of(layer.image), layer.strength));
+    if (scene.look.shows_environment) asked.emplace_back("environment as the background");
+    return asked;
+}
+
+void print_json(const RenderReport& report) {
+    using Json = nlohmann::ordered_json;
+    const FrameReport& frame = report.frame;
+    Json passes = Json::array();
+    Json idle = Json::array();
+    for (const PassReport& pass : frame.passes)
+        if (pass.ran)
+            passes.push_back({{"name", pass.name},
+                              {"ms", pass.milliseconds},
+                              {"bytes", pass.texture_bytes},
+                              {"asked_by", pass.asked_by},
+                              {"drawn_by", pass.drawn_by}});
+        else
+            idle.push_back(pass.name);
+    const BrickPool& pool = report.renderer.pool();
+    Json coarse; // null unless bricks were coarsened
+    if (const auto& bricks = report.renderer.coarse_bricks())
+        coarse = {{"count", bricks->coarse_count()},
+                  {"of", bricks->block_count()},
+                  {"levels", bricks->counts},                        // bricks of 8, 4, 2, 1 cells
+                  {"greatest_residual", bricks->greatest_residual}}; // world units
+    const gl::DriverInfo& driver = report.driver;
+    const RenderSeconds& seconds = report.seconds;
+    print_json(Json{{"input", report.command.input},
+                    {"output", report.command.output.string()},
+                    {"gl",
+                     {{"backend", driver.backend},
+                      {"vendor", driver.vendor},
+                      {"renderer", driver.renderer},
+                      {"version", driver.version}}},
+                    {"size", {report.scene.output.width, report.scene.output.height}},
+                    {"frames", report.frame_count},
+                    {"asked", asked_for(report.scene)},
+                    {"passes", passes},
+                    {"idle_passes", idle},
+                    {"programs", frame.programs_compiled},
+                    {"texture_bytes", frame.image_bytes + frame.field_bytes + frame.look_bytes},
+                    {"look_bytes", frame.look_bytes},
+                    {"notes", frame.notes},
+                    {"bricks",
+                     {{"resident", pool.resident_count()},
+                      {"active", pool.brick_count()},
+                      {"loaded", pool.loaded_count()}}},
+                    {"fetch", fetch_name(report.fetch.fetch)},
+                    {"coarse_bricks", coarse},
+                    {"storage_error", pool.storage_error()}, // of a sample, world units
+                    {"seconds",
+                     {{"field", seconds.field},
+                      {"context", seconds.context},
+                      {"load", seconds.load},
+                      {"draw", seconds.draw},
+                      {"write", seconds.write},
+                      {"total", seconds.total}}},
+                    {"warnings", report.warnings}});
+}
+
+void explain(const RenderReport& report) {
+    const FrameReport& frame = report.frame;
+    const BrickPool& pool = report.renderer.pool();
+    constexpr double mib = 1 << 20;
+    fmt::print("asked for: {}\n", fmt::join(asked_for(report.scene), ", "));
+    fmt::print("{:<16} {:>10} {:>10}  {}\n", "pass", "ms", "MiB", "asked by");
+    for (const PassReport& pass : frame.passes)
+        if (pass.ran)
+            fmt::print("{:<16} {:>10.3f} {:>10.2f}  {}{}\n", pass.name, pass.milliseconds,
+                       double(pass.texture_bytes) / mib, pass.asked_by,
+                       pass.drawn_by.empty() ? "" : fmt::format(" (drawn by {})", pass.drawn_by));
+        else
+            fmt::print("{:<16} {:>10} {:>10}  {}\n", pass.name, "-", "-",
+                       pass.is_kept ? pass.asked_by + " (kept from the frame before)"
+                                    : "nothing: does not run");
+    fmt::print(
+        "{} programs; images {:.2f} MiB, field {:.2f} MiB, environment, maps and noise {:.2f} "
+        "MiB\n",
+        frame.programs_compiled, double(frame.image_bytes) / mib, double(frame.field_bytes) / mib,
+        double(frame.look_bytes) / mib);
+    for (const std::string& note : frame.notes) fmt::print("{}\n", note);
+    fmt::print(
+        "{} of {} bricks on the GPU, {} loaded; stored samples err by {:.2g} voxel at most\n",
+        pool.resident_count(), pool.brick_count(), pool.loaded_count(),
+        pool.storage_error() / report.voxel_size_world);
+    if (const auto& coarse = report.renderer.coarse_bricks())
+        fmt::print(
+            "{} bricks of 8^3 cells, {} of 4^3, {} of 2^3, {} of 1: the field errs by {:.2g} "
+            "voxel at most near the surface\n",
+            coarse->counts[0], coarse->counts[1], coarse->counts[2], coarse->counts[3],
+            coarse->greatest_residual / report.voxel_size_world);
+    fmt::print("fetches {}: {}\n", fetch_name(report.fetch.fetch), report.fetch.reason);
+}
+
+void print(const RenderReport& report) {
+    const RenderSeconds& seconds = report.seconds;
+    const OutputSpec& output = report.scene.output;
+    fmt::print("{}: {}{} x {} pixels by {} ({}), {} bricks\n", report.command.output.string(),
+               output.frames ? fmt::format("{} frames of ", report.frame_count) : "", output.width,
+               output.height, report.driver.renderer, report.driver.backend,
+               report.renderer.pool().brick_count());
+    fmt::print("{:.2f} s: field {:.2f}, context {:.2f}, load {:.2f}, draw {:.2f}, write {:.2f}\n",
+               seconds.total, seconds.field, seconds.context, seconds.load, seconds.draw,
+               seconds.write);
+}
+
+} // namespace isocast

@@ -1,0 +1,189 @@
+// What is wrong with a scene as a whole.
+// SPDX-License-Identifier: MPL-2.0
+#include "apps/inputs.h"
+#include "apps/scene_file.h"
+#include "volume/errors.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <functional>
+#include <set>
+
+namespace isocast {
+
+namespace {
+
+/// Problems, each with the place of the key that it is about.
+class Problems {
+public:
+    explicit Problems(const SceneFile& scene) : scene_(scene) {}
+
+    /// key  in full; the place is that of the key, or of its table
+    void add(const std::string& key, std::string_view what) {
+        auto place = scene_.places.find(key);
+        if (place == scene_.places.end()) place = scene_.places.find(key.substr(0, key.rfind('.')));
+        const std::string front = place != scene_.places.end() ? fmt::format("{}: ", place->second)
+                                  : scene_.path.empty()        ? ""
+                                                        : fmt::format("{}: ", scene_.path.string());
+        list_.push_back(fmt::format("{}{}: {}", front, key, what));
+    }
+    void end() const {
+        if (!list_.empty()) throw InputError(fmt::format("{}", fmt::join(list_, "\n")));
+    }
+
+private:
+    const SceneFile& scene_;
+    std::vector<std::string> list_;
+};
+
+std::string key_of(std::size_t object, const char* key) {
+    return fmt::format("object.{}.{}", object, key);
+}
+
+/// The operands of an object, and the key that names them.
+std::pair<const std::vector<std::string>*, const char*> operands_of(const SceneObject& object) {
+    if (object.csg) return {&object.of, "of"};
+    return {&object.morph, "morph"};
+}
+
+std::optional<std::size_t> object_named(const SceneFile& scene, const std::string& name) {
+    const auto found = std::ranges::find(scene.objects, name, &SceneObject::name);
+    if (name.empty() || found == scene.objects.end()) return std::nullopt;
+    return static_cast<std::size_t>(found - scene.objects.begin());
+}
+
+void check_object(const SceneFile& scene, std::size_t i, Problems& problems) {
+    const SceneObject& object = scene.objects[i];
+    const int sources = !object.field.empty() + !object.mesh.empty() + object.csg.has_value() +
+                        !object.morph.empty() + !object.series.empty();
+    if (sources != 1)
+        problems.add(fmt::format("object.{}", i),
+                     fmt::format("one of field, mesh, csg, morph and series is needed, not {}",
+                                 sources == 0 ? "none" : std::to_string(sources)));
+    if (!object.name.empty() && object_named(scene, object.name) != i)
+        problems.add(key_of(i, "name"), fmt::format("there is another '{}'", object.name));
+    if (object.csg && object.of.size() < 2)
+        problems.add(key_of(i, "of"), "csg combines two objects at least");
+    if (!object.csg && !object.of.empty())
+        problems.add(key_of(i, "of"), "there is no csg that combines these");
+    if (!object.morph.empty() && object.morph.size() != 2)
+        problems.add(key_of(i, "morph"), "two objects are needed");
+    if (object.resolution && object.mesh.empty())
+        problems.add(key_of(i, "resolution"), "only meshes are converted");
+    const auto [operands, key] = operands_of(object);
+    for (const std::string& name : *operands)
+        if (!object_named(scene, name)) {
+            std::vector<std::string> known;
+            for (const SceneObject& other : scene.objects)
+                if (!other.name.empty()) known.push_back(other.name);
+            problems.add(key_of(i, key), fmt::format("there is no object '{}' (known: {})", name,
+                                                     fmt::join(known, ", ")));
+        }
+}
+
+/// Each cycle of operands once.
+void check_cycles(const SceneFile& scene, Problems& problems) {
+    enum class State { New, Open, Done };
+    std::vector<State> states(scene.objects.size(), State::New);
+    std::vector<std::string> way;
+    const std::function<void(std::size_t)> visit = [&](std::size_t i) {
+        states[i] = State::Open;
+        way.push_back(scene.objects[i].name);
+        const auto [operands, key] = operands_of(scene.objects[i]);
+        for (const std::string& name : *operands) {
+            const auto next = object_named(scene, name);
+            if (!next) continue;
+            if (states[*next] == State::New) visit(*next);
+            if (states[*next] != State::Open) continue;
+            std::vector<std::string> cycle(std::ranges::find(way, name), way.end());
+            cycle.push_back(name);
+            problems.add(key_of(i, key),
+                         fmt::format("an object is made of itself: {}", fmt::join(cycle, " -> ")));
+        }
+        way.pop_back();
+        states[i] = State::Done;
+    };
+    for (std::size_t i = 0; i < states.size(); ++i)
+        if (states[i] == State::New) visit(i);
+}
+
+void check_camera(const SceneFile& scene, Problems& problems) {
+    const CameraSpec& camera = scene.camera;
+    if (camera.eye_world && camera.direction_to_eye)
+        problems.add("camera.direction", "eye and direction exclude each other");
+    if (camera.target_world && !camera.eye_world) problems.add("camera.target", "target needs eye");
+    if (camera.fov_y_degrees && camera.height_world)
+        problems.add("camera.height",
+                     "fov (perspective) and height (orthographic) exclude each other");
+    const std::vector<CameraKey>& keys = scene.camera_keys;
+    if (keys.size() == 1) problems.add("camera.key.0", "two keys at least make a path");
+    for (std::size_t i = 1; i < keys.size(); ++i)
+        if (!(keys[i].time > keys[i - 1].time))
+            problems.add(fmt::format("camera.key.{}.time", i), "keys must stand in order of time");
+    if (!keys.empty() && scene.turntable_degrees != 0)
+        problems.add("camera.turntable", "turntable and keys exclude each other");
+    if (!scene.output.frames && (!keys.empty() || scene.turntable_degrees != 0))
+        problems.add(keys.empty() ? "camera.turntable" : "camera.key.0",
+                     "a sequence needs output.frames");
+}
+
+void check_animations(const SceneFile& scene, Problems& problems) {
+    for (std::size_t i = 0; i < scene.animations.size(); ++i) {
+        const Animation& animation = scene.animations[i];
+        const std::string key = fmt::format("animate.{}.key", i);
+        if (!scene.output.frames) problems.add(key, "a sequence needs output.frames");
+        if (animation.key.starts_with("output.") || animation.key.starts_with("animate."))
+            problems.add(key, fmt::format("'{}' is the same in all frames", animation.key));
+        try {
+            SceneFile trial = scene;
+            set_number(trial, animation.key, animation.from);
+            set_number(trial, animation.key, animation.to);
+        } catch (const UsageError& error) {
+            problems.add(key, error.what());
+        }
+    }
+}
+
+} // namespace
+
+void check_scene(const SceneFile& scene) {
+    Problems problems(scene);
+    if (scene.objects.empty()) problems.add("object", "there is none");
+    for (std::size_t i = 0; i < scene.objects.size(); ++i) check_object(scene, i, problems);
+    check_cycles(scene, problems);
+    check_camera(scene, problems);
+    check_animations(scene, problems);
+    if (scene.look.lights.size() > max_light_count)
+        problems.add(fmt::format("light.{}", max_light_count),
+                     fmt::format("{} lights at most", max_light_count));
+    int shadows = 0;
+    for (std::size_t i = 0; i < scene.look.lights.size(); ++i)
+        if (scene.look.lights[i].shadow != Shadow::None && ++shadows == 2)
+            problems.add(fmt::format("light.{}.shadow", i), "one light at most casts shadows");
+    if (scene.output.is_transparent && scene.look.shows_environment)
+        problems.add("output.transparent", "a transparent picture cannot show the environment");
+    if (const OutputSpec& output = scene.output;
+        std::max(output.width, output.height) > max_picture_extent)
+        problems.add("output.size", fmt::format("{}x{}: each side must lie between 1 and {}",
+                                                output.width, output.height, max_picture_extent));
+    const SolidTexture& texture = scene.look.effects.solid_texture;
+    if (texture.strength > 0 && texture.kind == SolidTexture::Kind::Volume && !texture.volume)
+        problems.add("effects.solid_texture.kind", "volume: which? (effects.solid_texture.volume)");
+    problems.end();
+}
+
+std::vector<std::size_t> drawn_objects(const SceneFile& scene) {
+    std::set<std::string> used;
+    for (const SceneObject& object : scene.objects) {
+        const auto* operands = operands_of(object).first;
+        used.insert(operands->begin(), operands->end());
+    }
+    std::vector<std::size_t> drawn;
+    for (std::size_t i = 0; i < scene.objects.size(); ++i)
+        if (!used.contains(scene.objects[i].name)) drawn.push_back(i);
+    return drawn;
+}
+
+} // namespace isocast

@@ -1,0 +1,121 @@
+// What a scene file says: objects, camera, lights, look, quality and output (docs/scenes.md).
+// SPDX-License-Identifier: MPL-2.0
+#pragma once
+
+#include "apps/camera_spec.h"
+#include "apps/exr_layers.h"
+#include "raycaster/scene.h"
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace isocast {
+
+/// A field, and how it is drawn. One of field, mesh, csg, morph and series says where it comes
+/// from.
+struct SceneObject {
+    enum class Csg { Union, Intersection, Difference };
+    std::string name;
+    std::string field; // as input_from understands it
+    std::string mesh;
+    std::optional<Csg> csg;
+    std::vector<std::string> of; // names of operands
+    std::vector<std::string> morph;
+    double t = 0;       // morph: 0 is the first, 1 the second
+    std::string series; // a file name with one run of #, which stands for a number
+    double time = 0;    // the number, rounded
+
+    std::optional<int> resolution; // of meshes
+    std::optional<double> iso_world;
+    std::optional<Filter> filter;
+    std::optional<Vec3d> colour;
+};
+
+/// Where the camera is at a time of a sequence.
+struct CameraKey {
+    double time = 0; // in any unit: the first key belongs to the first frame, the last to the last
+    Vec3d eye_world = Vec3d::Zero();
+    std::optional<Vec3d> target_world;
+    std::optional<double> fov_y_degrees;
+};
+
+/// A number of the scene that changes from frame to frame.
+struct Animation {
+    std::string key; // "object.0.t"
+    double from = 0;
+    double to = 1;
+    bool is_loop = false; // `to` then belongs to the frame after the last
+};
+
+/// Of a sequence, numbers of frames.
+struct FrameRange {
+    int first = 0;
+    int last = 0;
+    int count() const { return last - first + 1; }
+};
+
+/// How samples become pixels.
+enum class PixelFilter {
+    Box,  // of a pixel's width
+    Tent, // of two pixels' width
+};
+
+struct OutputSpec {
+    int width = 1024;
+    int height = 1024;
+    int samples = 1; // a pixel
+    PixelFilter pixel_filter = PixelFilter::Box;
+    bool is_transparent = false;
+    bool has_beauty = true;
+    std::optional<ExrLayers> layers;
+    std::optional<FrameRange> frames;
+    int tile_pixels = 0; // the picture is drawn in tiles of that edge; 0: only if it is large
+};
+
+struct SceneFile {
+    std::filesystem::path path; // empty where a command alone says what is drawn
+    std::vector<SceneObject> objects;
+    CameraSpec camera;
+    double turntable_degrees = 0; // over a sequence
+    std::vector<CameraKey> camera_keys;
+    bool has_smooth_path = true; // Catmull-Rom; else linear
+    Look look;
+    Quality quality;
+    StorageOptions storage;
+    std::optional<Fetch> fetch; // the fastest
+    Filter filter = Filter::Interpolating;
+    std::optional<Filter> derivative_filter;
+    double curvature_scale_voxels = 0;
+    std::optional<double> memory_bytes;
+    OutputSpec output;
+    std::vector<Animation> animations;
+
+    /// Of each key that was set, by its full name: "scene.toml:3:7" or "command line".
+    std::map<std::string, std::string> places;
+};
+
+/// All that a TOML file says. Fields and meshes are only looked for; pictures are read.
+/// throws  InputError with file, line and column of every problem
+SceneFile read_scene_file(const std::filesystem::path& path);
+
+/// Sets a key as a command line does: "effects.contours.strength=1", "light.0.shadow=soft", or
+/// "light.shadow" for the first. Values are TOML's, or a bare word. Paths are relative to the
+/// working folder. An index one past the last adds an element.
+/// throws  UsageError that names the key and the known ones, or the type expected; InputError for
+///         a file that cannot be used
+void set_key(SceneFile& scene, std::string_view assignment);
+
+/// Sets a number by its full name.
+/// throws  UsageError if there is no such number
+void set_number(SceneFile& scene, const std::string& key, double value);
+
+/// What keys alone cannot show: references between objects, and keys that exclude each other.
+/// throws  InputError with every problem
+void check_scene(const SceneFile& scene);
+
+/// Which of the objects no other one is made of.
+std::vector<std::size_t> drawn_objects(const SceneFile& scene);
+
+} // namespace isocast

@@ -1,0 +1,358 @@
+// SPDX-License-Identifier: MPL-2.0
+#include "apps/scene_keys.h"
+
+#include "apps/key_kinds.h"
+#include "apps/output_words.h"
+
+#include <algorithm>
+
+namespace isocast {
+
+namespace {
+
+using namespace keys;
+using Path = std::filesystem::path;
+
+constexpr Range angle{0, 180, true, true};
+// 1e-4: a few steps of float coordinates; 1: a voxel, beyond which samples alone would see less.
+constexpr Range guarantee{1e-4, 1};
+// 64: beyond 512 fine samples per voxel float positions do not resolve them.
+constexpr Range rate{0, 64, true};
+
+/// A field or a mesh that exists; it is read when it is drawn.
+SceneKey input(std::string name, std::string SceneObject::*member, bool is_mesh, std::string help) {
+    return special(std::move(name), is_mesh ? "file or mesh:NAME" : "file or field:NAME@N", "",
+                   std::move(help),
+                   [member, is_mesh](SceneFile& scene, std::size_t i, const SceneValue& value,
+                                     const Path& folder) {
+                       const std::string path = resolved(text_of(value), folder);
+                       if (input_from(path).is_mesh() != is_mesh)
+                           throw InputError(
+                               fmt::format("{} is a {}", path,
+                                           is_mesh ? "field, not a mesh" : "mesh, not a field"));
+                       scene.objects[i].*member = path;
+                   });
+}
+
+template<class Place>
+SceneKey texts(std::string name, Place place, std::string help) {
+    return special(std::move(name), "[\"name\", ...]", "", std::move(help),
+                   [place](SceneFile& scene, std::size_t i, const SceneValue& value, const Path&) {
+                       place(scene, i) = texts_of(value);
+                   });
+}
+
+Names<Filter> filters() {
+    return names_by(filter_from_name,
+                    {"interpolating", "bspline", "exact", "catmull-rom", "linear"});
+}
+
+SceneTable camera_table() {
+    constexpr auto camera =
+        within([](SceneFile& file, std::size_t) -> CameraSpec& { return file.camera; });
+    constexpr auto scene = within([](SceneFile& file, std::size_t) -> SceneFile& { return file; });
+    return {
+        "camera",
+        "Without eye and direction the object fills the picture, seen from a little to the "
+        "right and above.",
+        {vector("eye", camera(&CameraSpec::eye_world), "Where the camera is"),
+         vector("target", camera(&CameraSpec::target_world),
+                "What it looks at, with `eye`; else the object's middle"),
+         direction("direction", camera(&CameraSpec::direction_to_eye),
+                   "From the object to the eye; the object then fills the picture"),
+         direction("up", camera(&CameraSpec::up), "What points upwards in the picture (else y)"),
+         number("fov", camera(&CameraSpec::fov_y_degrees), angle,
+                "Vertical angle of view [degrees], 30 unless said"),
+         number("height", camera(&CameraSpec::height_world), positive,
+                "Orthographic: the picture's height [world]"),
+         number("turntable", scene(&SceneFile::turntable_degrees), {},
+                "Over a sequence the camera goes round the target's upward axis by so many "
+                "degrees; 360 makes a loop"),
+         choice("path", scene(&SceneFile::has_smooth_path),
+                Names<bool>{{"catmull-rom", true}, {"linear", false}},
+                "How the camera goes from key to key")}};
+}
+
+SceneTable camera_key_table() {
+    constexpr auto camera_key =
+        within([](SceneFile& file, std::size_t i) -> CameraKey& { return file.camera_keys[i]; });
+    return {"camera.key",
+            "Where the camera is during a sequence: from the first key at the first frame to the "
+            "last at the last.",
+            {number("time", camera_key(&CameraKey::time), {}, "In any unit; keys stand in order"),
+             vector("eye", camera_key(&CameraKey::eye_world), "As in [camera]"),
+             vector("target", camera_key(&CameraKey::target_world), "As in [camera], if not said"),
+             number("fov", camera_key(&CameraKey::fov_y_degrees), angle,
+                    "As in [camera], if not said")},
+            [](const SceneFile& file) { return file.camera_keys.size(); },
+            [](SceneFile& file, std::size_t n) { file.camera_keys.resize(n); }};
+}
+
+SceneTable light_table() {
+    constexpr auto light =
+        within([](SceneFile& file, std::size_t i) -> Light& { return file.look.lights[i]; });
+    return {"light",
+            "Lights infinitely far away, 8 at most; one unless any is given.",
+            {direction("direction", light(&Light::direction), "Towards the light"),
+             choice("space", light(&Light::is_in_view_space),
+                    Names<bool>{{"view", true}, {"world", false}},
+                    "Axes of `direction`: view (x right, y up, z to the viewer) moves with the "
+                    "camera"),
+             colour("colour", light(&Light::colour), "Its colour, and how bright it is"),
+             choice("shadow", light(&Light::shadow),
+                    Names<Shadow>{
+                        {"none", Shadow::None}, {"hard", Shadow::Hard}, {"soft", Shadow::Soft}},
+                    "Whether it casts shadows; of one light at most"),
+             number("strength", light(&Light::shadow_strength), share, "Of its shadow"),
+             number("size", light(&Light::size_degrees), Range{0, 90, true, true},
+                    "Soft shadows: the angle under which the light is seen [degrees]")},
+            [](const SceneFile& file) { return file.look.lights.size(); },
+            [](SceneFile& file, std::size_t n) { file.look.lights.resize(n); }};
+}
+
+SceneTable object_table() {
+    constexpr auto object =
+        within([](SceneFile& file, std::size_t i) -> SceneObject& { return file.objects[i]; });
+    using Csg = SceneObject::Csg;
+    return {
+        "object",
+        "What is drawn. One of field, mesh, csg, morph and series says where the field comes from. "
+        "Objects that another one is made of are not drawn themselves.",
+        {text("name", object(&SceneObject::name), "By which others refer to it"),
+         input("field", &SceneObject::field, false, "A field, with FILE:GRID for one of its grids"),
+         input("mesh", &SceneObject::mesh, true, "A mesh, converted to a field"),
+         choice("csg", object(&SceneObject::csg),
+                Names<Csg>{{"union", Csg::Union},
+                           {"intersection", Csg::Intersection},
+                           {"difference", Csg::Difference}},
+                "Made of the objects in `of`; difference: the first without the others"),
+         texts("of", object(&SceneObject::of), "Names of the objects that `csg` combines"),
+         texts("morph", object(&SceneObject::morph), "Names of two objects that `t` blends"),
+         number("t", object(&SceneObject::t), share,
+                "0: the first object of `morph`, 1: the second"),
+         special("series", "file name with #", "",
+                 "A series of fields, like \"field_####.vdb\": the run of # stands for a number of "
+                 "so many digits",
+                 [](SceneFile& file, std::size_t i, const SceneValue& value, const Path& folder) {
+                     const std::string name = text_of(value);
+                     const auto first = name.find('#');
+                     if (first == std::string::npos ||
+                         name.find('#', name.find_first_not_of('#', first)) != std::string::npos)
+                         throw UsageError(fmt::format("'{}' has no single run of #", name));
+                     file.objects[i].series = resolved(name, folder);
+                 }),
+         number("time", object(&SceneObject::time), {}, "The number of `series`, rounded"),
+         integer("resolution", object(&SceneObject::resolution), {},
+                 "Meshes: voxels along the longest side, 256 unless said"),
+         number("iso", object(&SceneObject::iso_world), {},
+                "Iso value; unless said 0 for distances, for other files what `isocast info` "
+                "suggests"),
+         choice("filter", object(&SceneObject::filter), filters(), "In place of [quality] filter"),
+         colour("colour", object(&SceneObject::colour), "In place of [shading] colour")},
+        [](const SceneFile& file) { return file.objects.size(); },
+        [](SceneFile& file, std::size_t n) { file.objects.resize(n); }};
+}
+
+SceneTable shading_table() {
+    constexpr auto look = within([](SceneFile& file, std::size_t) -> Look& { return file.look; });
+    constexpr auto material =
+        within([](SceneFile& file, std::size_t) -> Material& { return file.look.material; });
+    constexpr auto tones =
+        within([](SceneFile& file, std::size_t) -> GoochTones& { return file.look.tones; });
+    constexpr auto environment =
+        within([](SceneFile& file, std::size_t) -> Environment& { return file.look.environment; });
+    using Kind = Environment::Kind;
+    return {
+        "shading",
+        "From hits to colours.",
+        {choice("model", look(&Look::model),
+                Names<ShadingModel>{{"blinn-phong", ShadingModel::BlinnPhong},
+                                    {"gooch", ShadingModel::Gooch},
+                                    {"flat", ShadingModel::Flat}},
+                "How light makes colours; flat: not at all"),
+         colour("colour", material(&Material::colour), "Of the surface"),
+         number("ambient", material(&Material::ambient), not_negative, "Share of ambient light"),
+         number("diffuse", material(&Material::diffuse), not_negative, "Of diffuse reflection"),
+         number("specular", material(&Material::specular), not_negative, "Of highlights"),
+         number("shininess", material(&Material::shininess), not_negative,
+                "Exponent of highlights"),
+         colour("cool", tones(&GoochTones::cool), "Gooch: the tone away from the light"),
+         colour("warm", tones(&GoochTones::warm), "Gooch: the tone towards it"),
+         number("cool_share", tones(&GoochTones::cool_share), share,
+                "Gooch: of the surface colour in the cool tone"),
+         number("warm_share", tones(&GoochTones::warm_share), share, "... in the warm tone"),
+         colour("background", look(&Look::background), "Where nothing is hit"),
+         special("environment", "\"sky\" | \"stripes\" | file (.png, .exr)", "\"sky\"",
+                 "Light from all directions, for reflection, refraction and the background; "
+                 "pictures are equirectangular",
+                 [](SceneFile& file, std::size_t, const SceneValue& value, const Path& folder) {
+                     const std::string name = text_of(value);
+                     Environment& around = file.look.environment;
+                     around.kind = name == "sky"       ? Kind::Sky
+                                   : name == "stripes" ? Kind::Stripes
+                                                       : Kind::Picture;
+                     if (around.kind == Kind::Picture)
+                         around.picture = read_picture(resolved(name, folder));
+                 }),
+         integer("stripes", environment(&Environment::stripes), {1, 1000},
+                 "How many the built-in environment has from pole to pole"),
+         truth("show_environment", look(&Look::shows_environment), "As the background")}};
+}
+
+SceneTable quality_table() {
+    constexpr auto quality =
+        within([](SceneFile& file, std::size_t) -> Quality& { return file.quality; });
+    constexpr auto storage =
+        within([](SceneFile& file, std::size_t) -> StorageOptions& { return file.storage; });
+    constexpr auto scene = within([](SceneFile& file, std::size_t) -> SceneFile& { return file; });
+    return {
+        "quality",
+        "How finely, and from which samples.",
+        {number("guarantee", quality(&Quality::guarantee_voxels), guarantee,
+                "No ray passes through more than this of the object unseen [voxels]"),
+         number("rate", quality(&Quality::rate), rate,
+                "Take so many samples per voxel instead of certified steps; thin pieces may be "
+                "missed"),
+         integer("rate_factor", quality(&Quality::rate_factor), {1, 64},
+                 "With `rate`: so many times as many within a voxel of the surface"),
+         choice("traversal", quality(&Quality::traversal),
+                names_by(traversal_from_name, {"lists", "drawn", "bounds", "walk"}),
+                "How rays find what to search"),
+         choice("filter", scene(&SceneFile::filter), filters(),
+                "From samples to a smooth function"),
+         choice("derivative_filter", scene(&SceneFile::derivative_filter), filters(),
+                "Of gradients and curvatures, if another"),
+         number("curvature_scale", scene(&SceneFile::curvature_scale_voxels), {0, 16},
+                "Width of the Gaussian before curvatures are taken [voxels]"),
+         choice("storage", storage(&StorageOptions::format),
+                names_by(sample_format_from_name, {"float32", "float16", "norm16"}),
+                "Samples on the GPU"),
+         special("fetch", "\"auto\" | \"rows\" | \"samples\" | \"linear\"", "\"auto\"",
+                 "How shaders read samples; auto: the fastest",
+                 [](SceneFile& file, std::size_t, const SceneValue& value, const Path&) {
+                     file.fetch = named(Names<std::optional<Fetch>>{{"auto", std::nullopt},
+                                                                    {"rows", Fetch::Rows},
+                                                                    {"samples", Fetch::Samples},
+                                                                    {"linear", Fetch::Linear}},
+                                        value);
+                 }),
+         choice("brick_size", storage(&StorageOptions::brick_size),
+                names_by(brick_size_from_name, {"8", "16", "32", "none"}),
+                "Cells along the edge of a brick"),
+         special("texture_memory", "number above 0", "1024",
+                 "Most memory for samples on the GPU [MiB]",
+                 [](SceneFile& file, std::size_t, const SceneValue& value, const Path&) {
+                     const double mib = Range{0, 1 << 20, true}.checked(number_of(value));
+                     file.storage.budget_bytes = static_cast<std::int64_t>(mib * (1 << 20));
+                 }),
+         choice("over_budget", storage(&StorageOptions::over_budget),
+                names_by(over_budget_from_name, {"stream", "coarsen"}),
+                "Beyond that: load samples as rays ask, or halve the resolution where that shows "
+                "least"),
+         special("max_memory", "text, like \"8G\" or \"500M\"", "",
+                 "For fields' samples; half of what is available unless said",
+                 [](SceneFile& file, std::size_t, const SceneValue& value, const Path&) {
+                     file.memory_bytes = bytes_from(text_of(value));
+                 })}};
+}
+
+SceneTable output_table() {
+    constexpr auto output =
+        within([](SceneFile& file, std::size_t) -> OutputSpec& { return file.output; });
+    return {
+        "output",
+        "What is made of it.",
+        {special("size", "\"WxH\"", "\"1024x1024\"", "Width and height [pixels]",
+                 [](SceneFile& file, std::size_t, const SceneValue& value, const Path&) {
+                     const PictureSize size = size_from(text_of(value));
+                     file.output.width = size.width;
+                     file.output.height = size.height;
+                 }),
+         special("samples", "1 | 2 | 4 | 8 | 16 | 32 | 64", "1",
+                 "Rays through each pixel; other outputs than the picture have one, in its middle",
+                 [](SceneFile& file, std::size_t, const SceneValue& value, const Path&) {
+                     file.output.samples = samples_from(integer_of(value));
+                 }),
+         choice("pixel_filter", output(&OutputSpec::pixel_filter),
+                Names<PixelFilter>{{"box", PixelFilter::Box}, {"tent", PixelFilter::Tent}},
+                "Over a pixel's width, or over two pixels' with falling weight"),
+         truth("transparent", output(&OutputSpec::is_transparent),
+               "PNG with alpha; an OpenEXR has it anyway, unless it shows the environment"),
+         truth("beauty", output(&OutputSpec::has_beauty),
+               "The shaded picture; an OpenEXR can do without"),
+         special("aov", "text or list of texts", "",
+                 fmt::format("More channels for an OpenEXR: {}", exr_layer_names),
+                 [](SceneFile& file, std::size_t, const SceneValue& value, const Path&) {
+                     const auto* list = std::get_if<std::vector<std::string>>(&value);
+                     file.output.layers = exr_layers_from(
+                         list ? fmt::format("{}", fmt::join(*list, ",")) : text_of(value));
+                 }),
+         special("frames", "integer, or \"A..B\"", "",
+                 "Makes a sequence: so many frames from 0, or those from A to B; the output's name "
+                 "then holds %d or %04d",
+                 [](SceneFile& file, std::size_t, const SceneValue& value, const Path&) {
+                     const auto* count = std::get_if<std::int64_t>(&value);
+                     file.output.frames =
+                         frames_from(count ? std::to_string(*count) : text_of(value));
+                 }),
+         integer("tile", output(&OutputSpec::tile_pixels), {0, 1 << 14},
+                 "Draw in tiles of that edge [pixels], for less memory; 0: only large pictures")}};
+}
+
+SceneTable animate_table() {
+    constexpr auto animation =
+        within([](SceneFile& file, std::size_t i) -> Animation& { return file.animations[i]; });
+    return {"animate",
+            "A number of the scene that changes over a sequence, evenly.",
+            {text("key", animation(&Animation::key), "Its full name, like \"object.0.t\""),
+             number("from", animation(&Animation::from), {}, "At the first frame"),
+             number("to", animation(&Animation::to), {}, "At the last"),
+             truth("loop", animation(&Animation::is_loop),
+                   "`to` belongs to the frame after the last, so that a sequence can repeat")},
+            [](const SceneFile& file) { return file.animations.size(); },
+            [](SceneFile& file, std::size_t n) { file.animations.resize(n); }};
+}
+
+} // namespace
+
+const SceneKey* SceneTable::key(std::string_view key_name) const {
+    const auto found = std::ranges::find(keys, key_name, &SceneKey::name);
+    return found == keys.end() ? nullptr : &*found;
+}
+
+std::vector<SceneTable> scene_tables() {
+    std::vector<SceneTable> tables{object_table(), camera_table(),  camera_key_table(),
+                                   light_table(),  shading_table(), quality_table(),
+                                   output_table(), animate_table()};
+    for (SceneTable& table : effect_tables()) tables.push_back(std::move(table));
+    return tables;
+}
+
+std::string known_keys(const SceneTable& table) {
+    std::vector<std::string_view> names;
+    for (const SceneKey& key : table.keys) names.push_back(key.name);
+    return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string header_of(const SceneTable& table) {
+    return table.is_array() ? fmt::format("[[{}]]", table.name) : fmt::format("[{}]", table.name);
+}
+
+std::string scene_reference() {
+    std::string text;
+    for (const SceneTable& table : scene_tables()) {
+        text += fmt::format("### `{}`\n\n{}\n\n", header_of(table), table.help);
+        text += "| key | value | unless said | |\n| --- | --- | --- | --- |\n";
+        for (const SceneKey& key : table.keys) {
+            std::string type;
+            for (const char c : key.type) type += c == '|' ? "\\|" : std::string(1, c); // in a cell
+            text +=
+                fmt::format("| `{}` | {} | {} | {} |\n", key.name, type,
+                            key.initial.empty() ? "" : fmt::format("`{}`", key.initial), key.help);
+        }
+        text += "\n";
+    }
+    return text;
+}
+
+} // namespace isocast

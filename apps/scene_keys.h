@@ -1,0 +1,59 @@
+// The one table of a scene's keys: it drives parsing, --set, errors and docs/scenes.md.
+// SPDX-License-Identifier: MPL-2.0
+#pragma once
+
+#include "apps/scene_file.h"
+
+#include <functional>
+#include <variant>
+
+namespace isocast {
+
+/// A value as TOML writes it.
+using SceneValue = std::variant<bool, std::int64_t, double, std::string, std::vector<double>,
+                                std::vector<std::string>>;
+
+/// One key of a table.
+struct SceneKey {
+    std::string name;
+    std::string type;    // what values it takes, for people
+    std::string initial; // its value in a new scene; empty for none
+    std::string help;
+    bool is_number;
+    /// Sets it in element `i` of the table (0 where there is one).
+    ///
+    /// folder  that paths are relative to
+    /// throws  UsageError for a value of the wrong kind; InputError for a file that cannot be used
+    std::function<void(SceneFile&, std::size_t i, const SceneValue&,
+                       const std::filesystem::path& folder)>
+        set;
+};
+
+/// A table of a scene file, or an array of such.
+struct SceneTable {
+    std::string name; // "effects.contours"
+    std::string help;
+    std::vector<SceneKey> keys;
+    // Of arrays alone.
+    std::function<std::size_t(const SceneFile&)> count = {};
+    std::function<void(SceneFile&, std::size_t)> resize = {};
+
+    bool is_array() const { return static_cast<bool>(count); }
+    const SceneKey* key(std::string_view name) const;
+};
+
+/// Every table that a scene can have.
+std::vector<SceneTable> scene_tables();
+/// Those of effects.
+std::vector<SceneTable> effect_tables();
+
+/// As a scene file writes it: "[camera]" or "[[light]]".
+std::string header_of(const SceneTable& table);
+
+/// "eye, target, up": what a message lists.
+std::string known_keys(const SceneTable& table);
+
+/// The reference of docs/scenes.md, in Markdown.
+std::string scene_reference();
+
+} // namespace isocast

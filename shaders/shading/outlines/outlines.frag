@@ -1,0 +1,57 @@
+// Silhouettes and creases: Sobel filters of depths and normals (thesis section 7.3.3).
+// SPDX-License-Identifier: MPL-2.0
+#version 450 core
+#include "common/pixel.glsl"
+// Four bilinear fetches at the corners of the pixel are the nine of the stencil: each is the mean of
+// four texels, and what two of them share is counted twice.
+//
+//   -1 -2 -1       -A- -B-
+//    0  0  0  = 4 (       )     (figure 7.6, which has its fetches elsewhere)
+//    1  2  1        C   D
+
+layout(binding = 0) uniform sampler2D t_source; // unit normal, nearness: outline_source.frag
+uniform mat3 u_ray_vector;                      // world axes, affine in the pixel
+uniform bool u_is_perspective;
+uniform vec3 u_pixel_x; // from a pixel to the next [world], of parallel rays; else at depth 1
+uniform vec3 u_pixel_y;
+uniform float u_silhouette_threshold; // a step of depth [world]
+uniform float u_crease_threshold;     // a step of unit normals
+uniform vec3 u_colour;
+
+out vec4 o_outlines; // linear RGB, coverage
+
+vec4 corner(float x, float y) {
+    return textureLod(t_source, (vec2(ivec2(gl_FragCoord.xy)) + 0.5 + vec2(x, y)) / vec2(textureSize(t_source, 0)), 0.0);
+}
+
+// Clamped and linear, half at the threshold.
+float ramp(float step, float threshold) {
+    return clamp(step / threshold - 0.5, 0.0, 1.0);
+}
+
+void main() {
+    vec4 a = corner(-0.5, -0.5);
+    vec4 b = corner(0.5, -0.5);
+    vec4 c = corner(-0.5, 0.5);
+    vec4 d = corner(0.5, 0.5);
+    // A quarter of Sobel's response to a straight edge is the step.
+    vec4 step_x = b + d - a - c;
+    vec4 step_y = c + d - a - b;
+    float crease = sqrt(dot(step_x.xyz, step_x.xyz) + dot(step_y.xyz, step_y.xyz));
+
+    // Beside the plane through the pixel's point, which rises by `plane` from pixel to pixel. Half as
+    // much is a slack for surfaces that bend: the slope of a circle from 1 to 3 pixels within its
+    // silhouette is a quarter more than that at 2.
+    vec4 centre = texelFetch(t_source, ivec2(gl_FragCoord.xy), 0);
+    float along_ray = dot(centre.xyz, u_ray_vector * vec3(1.0, picture_pixel()));
+    float stable = along_ray < 0.0 ? min(along_ray, -1e-6) : max(along_ray, 1e-6);
+    vec2 plane = vec2(dot(centre.xyz, u_pixel_x), dot(centre.xyz, u_pixel_y)) / stable;
+    if (u_is_perspective) plane *= centre.w;
+    float jump = max(0.0, length(vec2(step_x.w, step_y.w) - 2.0 * plane) - length(plane));
+    if (u_is_perspective) {
+        float near = max(max(a.w, b.w), max(c.w, d.w));
+        // Of depths: 1/(near - jump) - 1/near, and beyond all bounds where that is the background.
+        jump /= max(near * (near - jump), 1e-30);
+    }
+    o_outlines = vec4(u_colour, max(ramp(jump, u_silhouette_threshold), ramp(crease, u_crease_threshold)));
+}

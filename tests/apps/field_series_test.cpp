@@ -1,0 +1,96 @@
+// Files by their numbers, and what lies between two of them.
+// SPDX-License-Identifier: MPL-2.0
+#include "apps/field_series.h"
+
+#include "../volume/temporary_folder.h"
+#include "program.h"
+#include "volume/analytic_fields.h"
+#include "volume/errors.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+namespace isocast::test {
+namespace {
+
+std::vector<std::int64_t> times(const std::vector<TimedFile>& series) {
+    std::vector<std::int64_t> all;
+    for (const TimedFile& file : series) all.push_back(file.time);
+    return all;
+}
+
+using Times = std::vector<std::int64_t>;
+
+TEST(FieldSeries, AreTheFilesOfThePatternByTheirNumbers) {
+    const TemporaryFolder folder;
+    for (const char* name :
+         {"f_0010.vdb", "f_0002.vdb", "f_0300.vdb", "f_12345.vdb", "f_7.vdb", "f_07.vdb",
+          "f_0001.nrrd", "g_0001.vdb", "f_00x1.vdb", "f_.vdb", "f_0002.vdb.bak", "f_-001.vdb"})
+        write_text(folder / name, "");
+    for (const char* pattern : {"f_####.vdb", "f_%04d.vdb"}) {
+        const auto series = field_series(folder / pattern);
+        EXPECT_EQ(times(series), (Times{2, 10, 300, 12345})) << pattern;
+        EXPECT_EQ(series[0].path, folder / "f_0002.vdb");
+    }
+    EXPECT_EQ(times(field_series(folder / "f_%d.vdb")), (Times{7, 12345}));
+}
+
+TEST(FieldSeries, SaysWhatIsWrong) {
+    const TemporaryFolder folder;
+    write_text(folder / "f_1.vdb", "");
+    for (const char* pattern : {"f.vdb", "f_#_#.vdb", "f_%x.vdb", "f_%4d.vdb", "f_%d_%d.vdb"}) {
+        EXPECT_FALSE(is_series(pattern)) << pattern;
+        EXPECT_NE(message_of<InputError>([&] {
+                      field_series(folder / pattern);
+                  }).find("one place for a number"),
+                  std::string::npos);
+    }
+    EXPECT_TRUE(is_series("f_##.vdb"));
+    EXPECT_NE(
+        message_of<InputError>([&] { field_series(folder / "g_#.vdb"); }).find("no such files"),
+        std::string::npos);
+    EXPECT_THROW(field_series((folder / "none").string() + "/f_#.vdb"), InputError);
+}
+
+const std::vector<TimedFile> uneven{{0, "a"}, {1, "b"}, {4, "c"}, {5, "d"}};
+
+TEST(FieldSeries, HasTwoNeighboursAtATime) {
+    const auto expect = [](double time, std::size_t before, std::size_t after, double fraction) {
+        const TimeNeighbours next = neighbours_of(uneven, time);
+        EXPECT_EQ(next.before, uneven[before]) << time;
+        EXPECT_EQ(next.after, uneven[after]) << time;
+        EXPECT_DOUBLE_EQ(next.fraction, fraction) << time;
+    };
+    expect(0, 0, 0, 0);
+    expect(0.25, 0, 1, 0.25);
+    expect(1, 1, 1, 0);
+    expect(2.5, 1, 2, 0.5);
+    expect(4.75, 2, 3, 0.75);
+    expect(5, 3, 3, 0);
+    for (const double time : {-0.1, 5.1, std::nan("")})
+        EXPECT_THROW(neighbours_of(uneven, time), InputError);
+}
+
+TEST(FieldSeries, ReadsTheNeighboursAlone) {
+    std::map<std::int64_t, std::shared_ptr<const FieldSource>> read;
+    const auto reader = [&](const TimedFile& file) {
+        AnalyticField ball = sphere_field(Vec3d::Zero(), 0.4 + 0.1 * double(file.time));
+        ball.half_extent_world = 1; // one lattice for all
+        return read[file.time] = sampled(std::move(ball), 24);
+    };
+    const Morph between = field_at(uneven, 2.5, reader);
+    ASSERT_EQ(read.size(), 2U);
+    EXPECT_TRUE(read.contains(1) && read.contains(4));
+    // Half way from 0.5 to 0.8: samples are distances.
+    const Index3 index(3, 4, 5);
+    EXPECT_NEAR(sample(*between.field, index),
+                between.field->space().to_world(index.cast<double>()).norm() - 0.65, 1e-6);
+    read.clear();
+    const Morph at_a_file = field_at(uneven, 4, reader);
+    EXPECT_EQ(at_a_file.field, read.at(4));
+    EXPECT_EQ(read.size(), 1U);
+}
+
+} // namespace
+} // namespace isocast::test

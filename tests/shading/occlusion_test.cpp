@@ -1,0 +1,247 @@
+// Ambient occlusion where the share of the sky is known.
+// SPDX-License-Identifier: MPL-2.0
+#include "disc.h"
+#include "scenes.h"
+#include "volume/errors.h"
+
+#include <numbers>
+
+namespace isocast::test {
+namespace {
+
+struct Occlusions : Shading {
+    Image hits;
+    Image seen;
+
+    void look_at(std::shared_ptr<const FieldSource> field, double distance_world, int rays) {
+        Scene scene{.field = std::move(field)};
+        scene.look.effects.occlusion = {.distance_world = distance_world, .rays = rays};
+        look_at(scene);
+    }
+    void look_at(const Scene& scene) {
+        renderer.load(scene);
+        report = renderer.draw(camera, size, size, {FrameImage::Occlusion, FrameImage::Hit});
+        hits = renderer.read(FrameImage::Hit);
+        seen = renderer.read(FrameImage::Occlusion);
+    }
+    double share(const HitPixel& at) const { return seen.pixel(at.x, at.y)[0]; }
+};
+
+AnalyticField plane_through(const Vec3d& p0, const Vec3d& normal) {
+    return {"plane",
+            [=](const Vec3d& p) { return Jet{.value = (p - p0).dot(normal.normalized())}; }};
+}
+
+TEST_F(Occlusions, LeaveAPlaneTheWholeSky) {
+    size = 48;
+    for (const Projection projection : {Projection::Perspective, Projection::Orthographic}) {
+        camera.projection = projection;
+        look_at(sampled(plane_through({0, 0, 0.1}, {0.3, 0.4, 1}), 48), 5, 64);
+        int count = 0;
+        for (const HitPixel& at : hit_pixels(hits, camera)) {
+            if (is_near_border(at.p)) continue;
+            ++count;
+            EXPECT_EQ(share(at), 1) << at.p.transpose();
+        }
+        EXPECT_GT(count, 300);
+    }
+}
+
+/// A wall at x = 0 over the floor: it hides the directions that reach it within the distance, a
+/// segment of the disc under the sky. At the edge that is half of it.
+TEST_F(Occlusions, OfAFloorBesideAWallAreTheSegmentOfTheDisc) {
+    const AnalyticField corner{"corner", [](const Vec3d& p) {
+                                   return Jet{.value = std::min(p.x() + 0.5, p.z() - floor_z)};
+                               }};
+    camera = {.eye_world = {2, -2, 2},
+              .target_world = {-0.1, 0, floor_z},
+              .up = Vec3d::UnitZ(),
+              .fov_y_degrees = 20};
+    constexpr double distance = 0.6;
+    constexpr int rays = 64;
+    size = 64;
+    look_at(sampled(corner, 64), distance, rays);
+    int count = 0;
+    double sum = 0;
+    double nearest = 1;
+    for (const HitPixel& at : floor_pixels(hits, camera)) {
+        // The field ends at 1: what reaches beyond would see nothing.
+        if (std::abs(at.p.y()) > 1 - distance) continue;
+        const double s = (at.p.x() + 0.5) / distance;
+        // Two voxels: there the spline rounds the edge.
+        if (s * distance < 0.065) continue;
+        const double hidden =
+            s < 1 ? (std::acos(s) - s * std::sqrt(1 - s * s)) / std::numbers::pi : 0;
+        ++count;
+        sum += share(at) - (1 - hidden);
+        // A straight line cuts some 2 sqrt(64) cells of an even share each, half of them in excess
+        // at worst two in a row: three rays.
+        EXPECT_NEAR(share(at), 1 - hidden, 3.0 / rays) << s;
+        nearest = std::min(nearest, share(at));
+    }
+    EXPECT_GT(count, 300);
+    EXPECT_NEAR(sum / count, 0, 0.05 / rays);
+    EXPECT_LT(nearest, 0.6);
+}
+
+/// The form factor of a sphere above the horizon: (r / d)^2 cos.
+TEST_F(Occlusions, OfAFloorUnderABallAreItsFormFactor) {
+    const Ball ball{.centre = {0, 0, floor_z + 0.5}, .radius = 0.3};
+    camera = {.eye_world = {1.5, -3, 2.5},
+              .target_world = {0, 0, -0.6},
+              .up = Vec3d::UnitZ(),
+              .fov_y_degrees = 20};
+    size = 64;
+    const auto worst_and_mean = [&](int rays) {
+        look_at(floor_and_ball(ball), 4, rays);
+        double worst = 0;
+        double sum = 0;
+        int count = 0;
+        for (const HitPixel& at : floor_pixels(hits, camera)) {
+            const Vec3d to_ball = ball.centre - at.p;
+            const double d = to_ball.norm();
+            const double hidden = ball.radius * ball.radius / (d * d) * to_ball.z() / d;
+            worst = std::max(worst, std::abs(share(at) - (1 - hidden)));
+            sum += share(at) - (1 - hidden);
+            ++count;
+        }
+        EXPECT_GT(count, 1000);
+        return std::pair(worst, sum / count);
+    };
+    const auto [worst_of_few, mean_of_few] = worst_and_mean(16);
+    const auto [worst_of_many, mean_of_many] = worst_and_mean(256);
+    // A closed curve on the disc cuts O(sqrt n) of n even cells, whose errors partly cancel.
+    EXPECT_LT(worst_of_few, 3.0 / 16);
+    EXPECT_LT(worst_of_many, 6.0 / 256);
+    // Turned from pixel to pixel, errors of rays at random would cancel to one in sqrt(1000 pixels)
+    // of a ray's, 0.03, and the same for three times as many cells.
+    EXPECT_NEAR(mean_of_few, 0, 0.05 / 16);
+    EXPECT_NEAR(mean_of_many, 0, 0.1 / 256);
+}
+
+TEST_F(Occlusions, KnowNoOccludersBeyondTheDistance) {
+    const Ball ball{.centre = {0, 0, floor_z + 0.6}, .radius = 0.3};
+    camera = {.eye_world = {1.5, -3, 2.5}, .target_world = {0, 0, -0.6}, .up = Vec3d::UnitZ()};
+    size = 64;
+    look_at(floor_and_ball(ball), 0.29, 64);
+    for (const HitPixel& at : floor_pixels(hits, camera)) EXPECT_EQ(share(at), 1);
+    look_at(floor_and_ball(ball), 0.4, 64);
+    double least = 1;
+    for (const HitPixel& at : floor_pixels(hits, camera)) {
+        const bool is_near = (at.p - ball.centre).norm() < 0.7;
+        if (!is_near) {
+            EXPECT_EQ(share(at), 1);
+        }
+        least = std::min(least, share(at));
+    }
+    EXPECT_LT(least, 1);
+}
+
+/// From inside a sphere a ray meets it after 2 R cos: within D for cos < D / 2R, a share of its
+/// square.
+TEST_F(Occlusions, InsideASphereGoWithTheSquareOfTheDistance) {
+    camera = {.eye_world = {0.2, 0.1, 0.3}, .target_world = {1, 0.2, -0.4}, .fov_y_degrees = 80};
+    size = 48;
+    constexpr int rays = 100;
+    for (const double distance : {0.5, 1.0, 1.5}) {
+        look_at(sampled(builtin_field("sphere"), 48), distance, rays);
+        const double expected = 1 - distance * distance / 4;
+        // The directions' heights are at (i + 1/2) / n: one ray to either side.
+        for (const HitPixel& at : hit_pixels(hits, camera))
+            EXPECT_NEAR(share(at), expected, 1.0 / rays + 1e-6) << at.p.transpose();
+    }
+}
+
+/// Ray by ray against the same directions in double, on a grid that is turned and stretched.
+TEST_F(Occlusions, CountTheRaysThatMeetTheBall) {
+    const Ball ball{.centre = {0.1, 0, floor_z + 0.5}, .radius = 0.3};
+    constexpr int rays = 24;
+    size = 48;
+    camera.up = Vec3d::UnitZ();
+    camera.eye_world = {2, -2, 1};
+    camera.target_world = {0, 0, floor_z};
+    camera.fov_y_degrees = 20;
+    look_at(on_grid(floor_and(ball), skew_space(), {80, 64, 96}), 4, rays);
+    int different = 0;
+    int count = 0;
+    for (const HitPixel& at : floor_pixels(hits, camera)) {
+        // Tangents u, v of the normal z, as Duff's formula gives them: x, y.
+        const double turns = turns_of_pixel(at.x + 0.5, size - at.y - 0.5);
+        int blocked = 0;
+        for (int i = 0; i < rays; ++i) {
+            const Eigen::Vector2d q = disc_point(i, rays, turns);
+            const Vec3d d(q.x(), q.y(), std::sqrt(1 - q.squaredNorm()));
+            blocked += (ball.centre - at.p).dot(d) > 0 &&
+                       (ball.centre - at.p).cross(d).norm() < ball.radius;
+        }
+        ++count;
+        different += std::lround((1 - share(at)) * rays) != blocked;
+    }
+    EXPECT_GT(count, 500);
+    // Rays that graze the ball within 1e-3, the ball's error on voxels of 0.04: of those that
+    // could, 2 pi r 2e-3 of 2 pi, for each of 24 rays; or the floor's normal errs near the ball.
+    EXPECT_LT(different, 0.01 * count);
+}
+
+TEST_F(Occlusions, AreNumbersWhereTheGradientVanishes) {
+    const AnalyticField flat{"flat",
+                             [](const Vec3d& p) { return Jet{.value = p.z() * p.z() * p.z()}; }};
+    size = 32;
+    look_at(sampled(flat, 17), 1, 8);
+    for (const HitPixel& at : hit_pixels(hits, camera)) {
+        ASSERT_GE(share(at), 0);
+        ASSERT_LE(share(at), 1);
+    }
+}
+
+TEST_F(Occlusions, DarkenAmbientLightAlone) {
+    size = 48;
+    Scene scene{.field = sampled(builtin_field("gyroid"), 32)};
+    scene.look.effects.occlusion.rays = 8;
+    scene.look.material = {.ambient = 0.7, .diffuse = 0, .specular = 0};
+    const Image bright = draw(scene);
+    scene.look.effects.occlusion.strength = 0.5;
+    const Image dim = draw(scene);
+    renderer.draw(camera, size, size, {FrameImage::Occlusion, FrameImage::Hit});
+    seen = renderer.read(FrameImage::Occlusion);
+    for (const HitPixel& at : hit_pixels(renderer.read(FrameImage::Hit), camera))
+        for (int c = 0; c < 3; ++c) // 2^-10: roundings of the beauty's halves
+            EXPECT_NEAR(dim.pixel(at.x, at.y)[c],
+                        bright.pixel(at.x, at.y)[c] * (0.5 + 0.5 * share(at)), 0x1p-10);
+}
+
+TEST_F(Occlusions, OfStrengthZeroDoNotExist) {
+    Scene scene{.field = sampled(builtin_field("gyroid"), 32)};
+    const Image plain = draw(scene);
+    const FrameReport of_plain = report;
+    scene.look.effects.occlusion = {.strength = 0, .rays = 99};
+    EXPECT_EQ(draw(scene).rgba, plain.rgba);
+    EXPECT_FALSE(pass("occlusion").ran);
+    EXPECT_EQ(report.image_bytes, of_plain.image_bytes);
+    EXPECT_EQ(report.programs_compiled, of_plain.programs_compiled);
+}
+
+TEST_F(Occlusions, AloneRunNoShading) {
+    size = 32;
+    look_at({.field = sampled(builtin_field("gyroid"), 32)});
+    std::string ran;
+    for (const PassReport& p : report.passes)
+        if (p.ran) ran += p.name + ", ";
+    EXPECT_EQ(ran, "raycast, gradient, occlusion, ");
+    ASSERT_EQ(report.notes.size(), 1U) << "how far occluders count";
+}
+
+TEST_F(Occlusions, NeedAllBricksAndSensibleNumbers) {
+    Scene scene{.field = sampled(builtin_field("gyroid"), 48)};
+    renderer.load(scene);
+    scene.storage.budget_bytes = renderer.pool().byte_count() / 3;
+    renderer.load(scene);
+    EXPECT_THROW(renderer.draw(camera, size, size, {FrameImage::Occlusion}), ResourceError);
+    scene.look.effects.occlusion.rays = 0;
+    EXPECT_THROW(renderer.load(scene), InputError);
+    scene.look.effects.occlusion = {.distance_world = 0};
+    EXPECT_THROW(renderer.load(scene), InputError);
+}
+
+} // namespace
+} // namespace isocast::test

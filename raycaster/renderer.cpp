@@ -36,7 +36,7 @@ void check_look(const Look& look) {
         if (!(layer.strength >= 0 && layer.strength <= 1))
             throw InputError(fmt::format("{}: its strength {} does not lie between 0 and 1",
                                          name_of(layer.image), layer.strength));
-    check_solid_texture(look.effects.solid_texture);
+    check_colour_effects(look.effects);
     if (look.environment.kind == Environment::Kind::Picture &&
         look.environment.picture.rgba.empty())
         throw InputError("environment: it has no picture");

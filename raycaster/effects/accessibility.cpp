@@ -14,8 +14,9 @@ gl::ProgramKey accessibility_program() {
     return {{"common/tiles.vert", "shading/accessibility/accessibility.frag"}, {}};
 }
 
-/// A ball of this radius just fits into the tightest 5 % of the picture's concave places.
-double radius_of(FrameContext& frame) {
+/// A ball of this radius does not fit into the tightest 5 % of the picture's concave places.
+/// Nothing where none of these is seen.
+std::optional<double> radius_of(FrameContext& frame) {
     const double flat = flat_curvature(frame);
     const auto found = frame.look_textures.number("accessibility", [&] {
         return percentile(frame, FrameImage::Curvature, 0.95,
@@ -24,21 +25,20 @@ double radius_of(FrameContext& frame) {
                               return -k[1];
                           });
     });
-    return found ? 1 / *found : 1 / flat;
+    if (!found) return std::nullopt;
+    frame.notes.push_back(
+        fmt::format("accessibility: black where a ball of {:.4g} does not fit", 1 / *found));
+    return 1 / *found;
 }
 
 } // namespace
 
 void run_accessibility(FrameContext& frame) {
     const Accessibility& accessibility = frame.scene.look.effects.accessibility;
-    const double radius =
-        accessibility.radius_world ? *accessibility.radius_world : radius_of(frame);
-    if (!accessibility.radius_world)
-        frame.notes.push_back(
-            fmt::format("accessibility: black where a ball of {:.4g} does not fit", radius));
+    const auto radius = accessibility.radius_world ? accessibility.radius_world : radius_of(frame);
     const gl::Program& program = frame.shaders.program(accessibility_program());
     frame.targets.texture(FrameImage::Curvature).bind_to_unit(0);
-    program.set("u_radius", static_cast<float>(radius));
+    program.set("u_radius", static_cast<float>(radius.value_or(0)));
     draw_tiles(frame, FrameImage::Accessibility, program, Eigen::Vector4f::Zero());
 }
 

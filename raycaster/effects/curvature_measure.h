@@ -10,7 +10,7 @@ namespace isocast {
 /// (2/pi) atan((k1 + k2)/(k1 - k2)) in [-1, 1], which is 1 on a ball and 0 where both vanish, or
 /// the curvedness sqrt((k1^2 + k2^2)/2).
 ///
-/// source  Koenderink & van Doorn 1992; there convex and concave have the other signs
+/// source  Koenderink & van Doorn 1992
 /// twin    shaders/shading/curvature_colour/curvature_colour.frag
 double curvature_measure(CurvatureMeasure measure, double k1, double k2);
 

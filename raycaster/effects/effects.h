@@ -24,10 +24,10 @@ void run_accessibility(FrameContext& frame);
 void run_refraction(FrameContext& frame);
 void run_reflection(FrameContext& frame);
 
-/// throws  InputError if it has no volume where it should, or one that does not fit a texture, or
-/// an
-///         unknown filter
-void check_solid_texture(const SolidTexture& texture);
+/// Of solid textures, curvatures as colours, accessibility and refraction.
+/// throws  InputError for numbers out of their range, and for a solid texture without its volume,
+///         with one that fits no texture, or with an unknown filter
+void check_colour_effects(const Effects& effects);
 
 /// The images that a solid texture reads: what filters by the pixel's footprint needs normals.
 ImageSet solid_texture_reads(const SolidTexture& texture);

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "raycaster/effects/effects.h"
 #include "raycaster/effects/hit_statistics.h"
-#include "volume/errors.h"
-
-#include <fmt/format.h>
 
 #include <cmath>
 
@@ -78,23 +75,6 @@ void set_procedural(const gl::Program& program, const FrameContext& frame,
 }
 
 } // namespace
-
-void check_solid_texture(const SolidTexture& texture) {
-    if (texture.scale_world && !(*texture.scale_world > 0))
-        throw InputError(
-            fmt::format("solid texture: its scale {} is not positive", *texture.scale_world));
-    if (texture.kind != SolidTexture::Kind::Volume) return;
-    if (!texture.volume) throw InputError("solid texture: it has no volume");
-    if (texture.volume_filter != "bspline" && texture.volume_filter != "linear")
-        throw InputError(fmt::format("solid texture: its filter '{}' is not one of bspline, linear",
-                                     texture.volume_filter));
-    const int limit = gl::max_volume_extent();
-    if (const Index3 size = texture.volume->extent().size(); (size.array() > limit).any())
-        throw InputError(
-            fmt::format("solid texture: its volume has {} x {} x {} samples: each side "
-                        "has at most {}",
-                        size.x(), size.y(), size.z(), limit));
-}
 
 ImageSet solid_texture_reads(const SolidTexture& texture) {
     ImageSet reads{FrameImage::Hit};

@@ -138,8 +138,8 @@ TEST(Render, ReportsWhatWasAskedForAndWhatDidNotRun) {
     for (const char* words :
          {"asked for: beauty of 4 samples a pixel, environment as the background",
           "curvature                 -          -  nothing: does not run",
-          // 1024 x 512 texels of four halves.
-          "environment, maps and noise 4.00 MiB"})
+          // A column of 2048 texels of four halves, and its averages.
+          "environment, maps and noise 0.03 MiB"})
         EXPECT_NE(text.find(words), std::string::npos) << words << " in " << text;
     EXPECT_EQ(isocast(render("field:torus@16", folder / "b.png", {"--no-beauty"})).code, 2);
     EXPECT_EQ(isocast(render("field:torus@16", folder / "b.exr", {"--no-beauty"})).code, 2);

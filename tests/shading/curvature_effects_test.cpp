@@ -5,6 +5,7 @@
 #include "raycaster/effects/colour_maps.h"
 #include "raycaster/effects/curvature_map.h"
 #include "raycaster/effects/curvature_measure.h"
+#include "volume/errors.h"
 
 #include <numbers>
 
@@ -71,6 +72,14 @@ TEST(CurvatureMaps, GiveEachShapeAColourOfItsOwn) {
 }
 
 struct CurvatureEffects : Shading {
+    const std::shared_ptr<const FieldSource> plane = sampled(
+        {"plane",
+         [](const Vec3d& p) {
+             const Vec3d normal(0.48, 0.6, 0.64);
+             return Jet{.value = normal.dot(p), .gradient = normal, .hessian = Mat3d::Zero()};
+         },
+         1},
+        32);
     const std::shared_ptr<const FieldSource> torus = sampled(builtin_field("torus"), 64);
     static constexpr double major = 1;
     static constexpr double minor = 0.4;
@@ -147,14 +156,7 @@ TEST_F(CurvatureEffects, ASphereHasOneColour) {
 }
 
 TEST_F(CurvatureEffects, APlaneIsTheMiddleOfCoolWarm) {
-    const AnalyticField plane{
-        "plane",
-        [](const Vec3d& p) {
-            const Vec3d normal(0.48, 0.6, 0.64);
-            return Jet{.value = normal.dot(p), .gradient = normal, .hessian = Mat3d::Zero()};
-        },
-        1};
-    Scene scene{.field = sampled(plane, 32)};
+    Scene scene{.field = plane};
     // Not near the field's border, where its samples continue and so bend.
     camera.projection = Projection::Orthographic;
     camera.height_world = 0.6;
@@ -169,6 +171,11 @@ TEST_F(CurvatureEffects, APlaneIsTheMiddleOfCoolWarm) {
         EXPECT_LT(greatest_difference(rgb(&image.rgba[i]), middle), half_rounding);
     }
     EXPECT_GT(count, 500);
+    // Nor does what rounding bends count as concave.
+    scene.look.effects.accessibility.strength = 1;
+    const Image accessible = draw(scene, FrameImage::Accessibility);
+    EXPECT_TRUE(std::ranges::all_of(accessible.rgba, [](float c) { return c == 0; }));
+    EXPECT_TRUE(report.notes.empty());
 }
 
 TEST_F(CurvatureEffects, TheRangeIsOfTheFirstPictureAndStays) {
@@ -257,6 +264,24 @@ TEST_F(CurvatureEffects, AccessibilityIsBlackInTheTightestPlaces) {
         black += image.rgba[i] == 1;
     }
     EXPECT_NEAR(double(black) / concave, 0.05, 0.01);
+}
+
+TEST_F(CurvatureEffects, ThatCannotBeAreRefused) {
+    Look look;
+    look.effects.curvature_colour.range = {{1, 1}};
+    EXPECT_THROW(renderer.set_look(look), InputError);
+    look = {};
+    look.effects.curvature_map.range = 0;
+    EXPECT_THROW(renderer.set_look(look), InputError);
+    look = {};
+    look.effects.accessibility.radius_world = -1;
+    EXPECT_THROW(renderer.set_look(look), InputError);
+    look = {};
+    look.effects.refraction.index = 0;
+    EXPECT_THROW(renderer.set_look(look), InputError);
+    look = {};
+    look.environment.kind = Environment::Kind::Picture;
+    EXPECT_THROW(renderer.set_look(look), InputError);
 }
 
 } // namespace

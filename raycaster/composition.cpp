@@ -68,6 +68,7 @@ void search(const FrameContext& frame, int number, const Depths& depths, const g
     root.bind_to_unit(5);
     target.bind();
     glTextureBarrier();
+    glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
     draw_on_tiles(of_this, program, places);
 }
 
@@ -106,6 +107,8 @@ void run_composition(FrameContext& frame) {
     glClearBufferfv(GL_COLOR, 0, zero.data());
     const Eigen::Vector4f all_pending(static_cast<float>(all), 0, 0, 0);
     glClearBufferfv(GL_COLOR, 1, all_pending.data());
+
+    start_counting_steps(frame);
 
     const InsideTable table = inside_table(tree_of(frame.scene), count);
     const auto tile_count =

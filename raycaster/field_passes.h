@@ -29,6 +29,9 @@ void run_second_order(FrameContext& frame, FrameImage image);
 RayCoefficients set_search_uniforms(const gl::Program& program, const FrameContext& frame);
 /// raycast/raycast.frag for an object of several.
 gl::ProgramKey operand_program(const FrameContext& frame);
+/// If it counts steps, before its first draw: from 0. Draws that add to the same pixels need
+/// glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT) between them.
+void start_counting_steps(const FrameContext& frame);
 
 /// Of shaders that go from hits to the field.
 void set_hit_uniforms(const gl::Program& program, const FrameContext& frame,

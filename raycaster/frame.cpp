@@ -119,7 +119,9 @@ FrameContext of_object(const FrameContext& frame, const FrameObject& object) {
             frame.targets,
             frame.look_textures,
             frame.objects,
-            frame.part};
+            frame.part,
+            0,
+            frame.live};
 }
 
 void draw_on_tiles(const FrameContext& frame, const gl::Program& program) {
@@ -185,6 +187,7 @@ gl::Format format_of(FrameImage image) {
     case FrameImage::Bounds:
     case FrameImage::Shadow:
         return gl::Format::Rg32f;
+    case FrameImage::Steps:
     case FrameImage::ViewCurvature:
     case FrameImage::FlowLineCurvature:
     case FrameImage::ShadowMap:

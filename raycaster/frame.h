@@ -19,7 +19,6 @@ namespace isocast {
 struct FrameTargets {
     std::array<gl::Texture, frame_image_count> textures;
     std::array<gl::Framebuffer, frame_image_count> framebuffers;
-    gl::Framebuffer hit_and_gradient; // where one pass writes both
 
     gl::Texture& texture(FrameImage image) { return textures[static_cast<std::size_t>(image)]; }
     gl::Framebuffer& framebuffer(FrameImage image) {

@@ -101,7 +101,8 @@ void add_scene_options(KeyOptions& keys) {
                             set_key(scene, fmt::format("object.{}.iso={}", i, text));
                 };
             },
-            "Iso value (default: 0 for distances; for other files what `isocast info` suggests)")
+            "Iso value of all objects (default: 0 for distances; for other files what `isocast "
+            "info` suggests)")
         ->type_name("V");
     add_parsed(keys.app, "--resolution", keys.command.resolution, integer_from,
                "Meshes: voxels along the longest side (default 256)")

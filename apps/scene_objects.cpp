@@ -2,12 +2,14 @@
 #include "apps/scene_objects.h"
 
 #include "distance_transform/convert.h"
+#include "filtering/morph.h"
 #include "volume/errors.h"
 #include "volume/histogram.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 namespace isocast {
@@ -82,7 +84,11 @@ Composition composition_of(const SceneFile& scene) {
 
 TimeNeighbours files_of_series(const SceneObject& object) {
     const std::vector<TimedFile> files = field_series(object.series);
-    return neighbours_of(files, object.time.value_or(static_cast<double>(files.front().time)));
+    const double time = object.time.value_or(static_cast<double>(files.front().time));
+    // 1e-6: far above the roundings of times that are animated; a blend with so much of another
+    // file could not be told from the file alone.
+    const bool is_at_a_number = std::abs(time - std::round(time)) < 1e-6;
+    return neighbours_of(files, is_at_a_number ? std::round(time) : time);
 }
 
 std::string name_of(const SceneFile& scene, std::size_t object) {

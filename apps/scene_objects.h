@@ -7,6 +7,7 @@
 #include "apps/scene_file.h"
 #include "volume/progress.h"
 
+#include <array>
 #include <functional>
 #include <map>
 

@@ -171,6 +171,8 @@ TEST_F(ObjectScenes, KeepFilesOfASeriesWhileTheyComeAgain) {
     EXPECT_TRUE(first.expired()) << "only one file is needed at its own time";
     at(1.5);
     EXPECT_EQ(at(1), second.lock());
+    EXPECT_EQ(at(0.1 + 0.2 + 0.7), second.lock()) << "times of frames are rounded numbers";
+    EXPECT_EQ(at(1 + 1e-15), second.lock());
     at(2);
     EXPECT_TRUE(second.expired());
 }

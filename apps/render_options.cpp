@@ -174,7 +174,7 @@ void add_output_options(KeyOptions& keys) {
     keys.add("--aov", "output.aov",
              "More channels for an .exr, joined by ',': P (position), N (normal), curvature (k1, "
              "k2, mean, gauss, shapeIndex, curvedness, flag), T (principal directions), AO, "
-             "shadow, id")
+             "shadow, id, steps (how often each ray looked at the field)")
         ->type_name("LIST");
     keys.add_flag("--no-beauty", "output.beauty=false",
                   "An .exr of these alone: nothing is shaded");

@@ -69,9 +69,15 @@ void check_object(const SceneFile& scene, std::size_t i, Problems& problems) {
         problems.add(key_of(i, "resolution"), "only meshes are converted");
     if (object.time && object.series.empty())
         problems.add(key_of(i, "time"), "only a series has times");
-    if (object.csg && (object.iso_world || object.filter))
-        problems.add(key_of(i, object.iso_world ? "iso" : "filter"),
-                     "a csg has none, those that it combines have");
+    const Placement unplaced;
+    for (const auto& [key, is_there] :
+         {std::pair{"iso", object.iso_world.has_value()},
+          std::pair{"filter", object.filter.has_value()},
+          std::pair{"scale", object.placement.scale != unplaced.scale},
+          std::pair{"rotate", object.placement.rotation_degrees != unplaced.rotation_degrees},
+          std::pair{"translate", object.placement.translation_world != unplaced.translation_world}})
+        if (object.csg && is_there)
+            problems.add(key_of(i, key), "a csg has none, those that it combines have");
     for (const std::string& name : operands_of(object)) {
         const auto operand = object_named(scene, name);
         if (!operand) {

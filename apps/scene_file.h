@@ -5,6 +5,7 @@
 #include "apps/camera_spec.h"
 #include "apps/exr_layers.h"
 #include "raycaster/scene.h"
+#include "volume/placed_field.h"
 
 #include <filesystem>
 #include <map>
@@ -29,7 +30,8 @@ struct SceneObject {
 
     std::optional<int> resolution; // of meshes
     double band_voxels = 3;        // of meshes, half width
-    std::optional<double> iso_world;
+    Placement placement;
+    std::optional<double> iso_world; // before it is placed
     std::optional<Filter> filter;
     std::optional<Vec3d> colour;
     std::optional<Vec3d> cut_colour;

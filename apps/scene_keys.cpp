@@ -115,6 +115,8 @@ SceneTable light_table() {
 SceneTable object_table() {
     constexpr auto object =
         within([](SceneFile& file, std::size_t i) -> SceneObject& { return file.objects[i]; });
+    constexpr auto placement = within(
+        [](SceneFile& file, std::size_t i) -> Placement& { return file.objects[i].placement; });
     using Csg = SceneObject::Csg;
     return {
         "object",
@@ -152,9 +154,14 @@ SceneTable object_table() {
          number("band", object(&SceneObject::band_voxels), Range{.lo = 1},
                 "Meshes: distances are known so far from the surface [voxels]; for morphs more is "
                 "needed"),
+         number("scale", placement(&Placement::scale), Range{1e-6, 1e6},
+                "Of its size, about the origin, and of its distances"),
+         vector("rotate", placement(&Placement::rotation_degrees),
+                "Then it is turned about the axes x, y and z, in this order [degrees]"),
+         vector("translate", placement(&Placement::translation_world), "Then it is moved"),
          number("iso", object(&SceneObject::iso_world), {},
                 "Iso value; unless said 0 for distances, for other files what `isocast info` "
-                "suggests, and between two fields what lies between theirs"),
+                "suggests, and between two fields what lies between theirs; `scale` goes with it"),
          choice("filter", object(&SceneObject::filter), filters(), "In place of [quality] filter"),
          colour("colour", object(&SceneObject::colour),
                 "In place of [shading] colour; that of a csg is for those of its objects that have "

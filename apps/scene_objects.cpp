@@ -53,6 +53,9 @@ void add(const SceneFile& scene, std::size_t i, ScenePart around, Composition& o
         }
         return;
     }
+    constexpr std::size_t most_steps = 4096; // a csg that is named twice has its steps twice
+    if (out.tree.size() >= most_steps)
+        throw InputError(fmt::format("the csg of the scene has more than {} steps", most_steps));
     around.object = i;
     const auto found = std::ranges::find(out.parts, around);
     out.tree.push_back({CsgOperation::Object, static_cast<int>(found - out.parts.begin())});
@@ -109,7 +112,10 @@ void SceneObjects::open(const SceneFile& scene) {
             if (auto kept = sources_.extract(key)) needed.insert(std::move(kept));
             needed.try_emplace(key);
         }
-    if (!sources_.empty()) pairs_.clear();
+    if (!sources_.empty()) {
+        pairs_.clear();
+        placed_.clear();
+    }
     sources_ = std::move(needed); // what is not needed goes before more is read
     for (auto& [key, source] : sources_) {
         if (source.mesh || source.field) continue;
@@ -135,7 +141,12 @@ public:
                           : !object.series.empty() ? series_of(i)
                                                    : source_of(i, inputs_of(object).front());
         surface.iso_world = object.iso_world.value_or(surface.iso_world);
-        return surface;
+        if (object.placement == Placement()) return surface;
+        Placed& placed = kept_.placed_[i];
+        if (placed.from != surface.field || placed.placement != object.placement)
+            placed = {surface.field, object.placement,
+                      std::make_shared<PlacedField>(surface.field, object.placement)};
+        return {placed.field, surface.iso_world * object.placement.scale};
     }
 
 private:

@@ -77,12 +77,18 @@ private:
         Fields fields;
         Fields on_one_lattice;
     };
+    struct Placed {
+        std::shared_ptr<const FieldSource> from;
+        Placement placement;
+        std::shared_ptr<const FieldSource> field;
+    };
     class Making; // of one frame
 
     static SourceKey key_of(const SceneObject& object, const std::string& input);
 
     std::map<SourceKey, Source> sources_;
     std::map<std::size_t, Pair> pairs_; // of morphs, by object
+    std::map<std::size_t, Placed> placed_;
 };
 
 /// The look of the scene. Pictures that are not opaque have no background.

@@ -229,21 +229,66 @@ TEST_P(DifferenceOfBalls, HasTheSolidsSurfaceAndColours) {
             const float id = exr.channels.at("id")[i];
             if (id == 0) continue;
             ++hits;
-            cuts += id < 0;
+            cuts += id == 2;
             const Vec3d p = exr.vector("P", i);
             const double a = p.norm() - 1;
             const double b = (p - centre_b).norm() - 0.6;
             // Terms of fourth order, (h/r)^3 = 4e-3 voxels times a small factor; voxels of 0.097.
             EXPECT_NEAR(std::max(a, -b), 0, 1e-4) << x << " " << y;
-            EXPECT_EQ(id, a > -b ? 1 : -2);
-            EXPECT_EQ(exr.channels.at("R")[i], id > 0 ? 1.0F : 0.25F);
-            EXPECT_EQ(exr.channels.at("B")[i], id > 0 ? 0.25F : 1.0F);
+            EXPECT_EQ(id, a > -b ? 1 : 2);
+            EXPECT_EQ(exr.channels.at("R")[i], id == 1 ? 1.0F : 0.25F);
+            EXPECT_EQ(exr.channels.at("B")[i], id == 1 ? 0.25F : 1.0F);
         }
     // The outline is some 200 pixels long; of these the centre lies within 1e-3 pixel of it by
     // chance only.
     EXPECT_NEAR(hits, expected_hits, 1);
     EXPECT_GT(cuts, 300);
     EXPECT_GT(hits - cuts, 300);
+}
+
+TEST_F(ObjectScenes, AreScaledTurnedAndMoved) {
+    write_ball("a.nrrd", {0.5, 0.25, 0}, 0.6);
+    const std::string placed = "scale = 2\nrotate = [0, 0, 90]\ntranslate = [10, 0, 1]\n";
+    const std::string text = "[[object]]\nname = \"a\"\nfield = \"a.nrrd\"\niso = 0.1\n" + placed;
+    checked_output(render(text, "a.exr", {"--aov", "P"}));
+    const ExrFile exr(folder / "a.exr");
+    int hits = 0;
+    for (std::size_t i = 0; i < exr.channels.at("Z").size(); ++i) {
+        if (std::isinf(exr.channels.at("Z")[i])) continue;
+        ++hits;
+        // A quarter turn takes (1, 0.5, 0) to (-0.5, 1, 0). As above, of voxels twice as large.
+        EXPECT_NEAR((exr.vector("P", i) - Vec3d(9.5, 1, 1)).norm(), 2 * (0.6 + 0.1), 2e-4);
+    }
+    EXPECT_GT(hits, 200);
+
+    // What was placed is kept from frame to frame, and with it what was made of it.
+    const SceneFile now = scene(text + "[[object]]\nname = \"b\"\nfield = \"field:sphere@8\"\n" +
+                                placed + "[[object]]\ncsg = \"union\"\nof = [\"a\", \"b\"]\n");
+    SceneObjects objects;
+    const Scene first = composed(objects, now);
+    EXPECT_EQ(first.objects[0].iso_world, 0.2);
+    EXPECT_EQ(first.objects[0].field, composed(objects, now).objects[0].field);
+    SceneFile moved = now;
+    moved.objects[0].placement.translation_world.x() = 11;
+    EXPECT_NE(first.objects[0].field, composed(objects, moved).objects[0].field);
+    EXPECT_EQ(first.objects[1].field, composed(objects, moved).objects[1].field);
+
+    const Outcome refused = render("[[object]]\nname = \"a\"\nfield = \"a.nrrd\"\n"
+                                   "[[object]]\nname = \"b\"\nfield = \"a.nrrd\"\n"
+                                   "[[object]]\ncsg = \"union\"\nof = [\"a\", \"b\"]\nscale = 2\n",
+                                   "a.png");
+    EXPECT_EQ(refused.code, 3);
+    EXPECT_NE(refused.err.find("scene.toml:10:9: "), std::string::npos) << refused.err;
+    EXPECT_NE(refused.err.find("a csg has none"), std::string::npos) << refused.err;
+}
+
+TEST(Composition, RefusesTreesThatGrowWithoutEnd) {
+    SceneFile scene;
+    scene.objects = {leaf("0")};
+    for (int i = 1; i < 64; ++i)
+        scene.objects.push_back(combined(std::to_string(i), SceneObject::Csg::Union,
+                                         {std::to_string(i - 1), std::to_string(i - 1)}));
+    EXPECT_THROW(composition_of(scene), InputError);
 }
 
 TEST_F(ObjectScenes, UniteObjectsEachWithItsColour) {

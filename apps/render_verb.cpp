@@ -101,6 +101,8 @@ public:
 
 private:
     void load(const SceneFile& now, OpenedObject opened) {
+        // Of the frame before: a series whose colours mean another thing in each would flicker.
+        LookNumbers numbers = renderer_->look_numbers();
         loaded_ = scene_from(now, std::move(opened), progress_,
                              [this](const std::string& warning) { warn(warning); });
         loaded_.look = look_of(now, is_opaque(now, command_.output));
@@ -109,6 +111,7 @@ private:
             fetch_ = choose_fetch(*renderer_, context_->driver(), loaded_.filter, loaded_.storage);
         loaded_.storage.fetch = fetch_->fetch;
         renderer_->load(loaded_, progress_);
+        renderer_->set_look_numbers(std::move(numbers));
         seconds_.load += step_.lap();
         if (const auto& coarse = renderer_->coarse_bricks())
             warn(fmt::format(

@@ -16,8 +16,10 @@ namespace isocast {
 namespace {
 
 gl::ProgramKey raycast_program(std::map<std::string, std::string> defines, int search,
-                               Traversal traversal, bool has_gradient, bool is_operand = false) {
+                               Traversal traversal, bool has_gradient, bool is_operand = false,
+                               bool is_to_sky = false) {
     defines.emplace("IS_OPERAND", is_operand ? "1" : "0");
+    defines.emplace("IS_TO_SKY", is_to_sky ? "1" : "0");
     defines.emplace("SEARCH", std::to_string(search));
     defines.emplace("HAS_GRADIENT", has_gradient ? "1" : "0");
     defines.emplace("TRAVERSAL", std::to_string(static_cast<int>(traversal)));
@@ -327,6 +329,10 @@ gl::ProgramKey operand_program(const FrameContext& frame) {
     return raycast_program(frame.field.pool().defines(), 0, Traversal::TileLists, false, true);
 }
 
+gl::ProgramKey sky_operand_program(std::map<std::string, std::string> pool_defines) {
+    return raycast_program(std::move(pool_defines), 0, Traversal::Walk, false, true, true);
+}
+
 void run_raycast(FrameContext& frame) {
     const Quality& quality = frame.scene.quality;
     const gl::ProgramKey key = raycast_program(frame.field.pool().defines(), quality.rate ? 1 : 0,
@@ -341,18 +347,6 @@ void run_raycast(FrameContext& frame) {
         draw_blocks(frame, FrameImage::Hit, program);
     else
         draw_field(frame, frame.field, frame.targets.framebuffer(FrameImage::Hit), 1, program);
-}
-
-void cast_rays(FrameContext& frame) {
-    frame.targets.make(FrameImage::Hit, frame.width, frame.height);
-    if (frame.scene.quality.traversal == Traversal::BoundingFaces) {
-        frame.targets.make(FrameImage::Bounds, frame.width, frame.height);
-        run_bounds(frame);
-    }
-    if (is_composed(frame.scene))
-        run_composition(frame);
-    else
-        run_raycast(frame);
 }
 
 bool is_of_second_order(FrameImage image) {
@@ -402,6 +396,30 @@ void run_second_order(FrameContext& frame, FrameImage image) {
                                 world_vector_coefficients(frame.camera, frame.width, frame.height)
                                     .cast<float>()));
         });
+}
+
+void cast_rays(FrameContext& frame, const ImageSet& derived) {
+    const bool has_gradient = derived.contains(FrameImage::Gradient);
+    frame.live = derived;
+    frame.has_fused_gradient = has_gradient && can_fuse_gradient(frame);
+    for (int i = 0; i < frame_image_count; ++i) {
+        const auto image = static_cast<FrameImage>(i);
+        if (image == FrameImage::Hit || (image == FrameImage::Gradient && has_gradient) ||
+            (is_of_second_order(image) && derived.contains(image)))
+            frame.targets.make(image, frame.width, frame.height);
+    }
+    if (frame.has_fused_gradient) frame.targets.join_hit_and_gradient();
+    if (frame.scene.quality.traversal == Traversal::BoundingFaces) {
+        frame.targets.make(FrameImage::Bounds, frame.width, frame.height);
+        run_bounds(frame);
+    }
+    if (is_composed(frame.scene))
+        run_composition(frame);
+    else
+        run_raycast(frame);
+    if (has_gradient) run_gradient(frame);
+    for (const SecondOrder& one : second_order)
+        if (derived.contains(one.image)) run_second_order(frame, one.image);
 }
 
 std::vector<std::map<std::string, std::string>> all_pool_defines() {

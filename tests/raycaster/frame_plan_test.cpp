@@ -20,8 +20,9 @@ struct Declared {
     Camera camera;
     FrameTargets targets;
     LookTextures look_textures;
-    FrameContext frame{shaders, no_vertices, scene, object, field,   field,        field,
-                       places,  camera,      1,     1,      targets, look_textures};
+    LookNumbers look_numbers;
+    FrameContext frame{shaders, no_vertices, scene, object, field,   field,         field,
+                       places,  camera,      1,     1,      targets, look_textures, look_numbers};
     std::vector<Pass> passes = declare_passes(frame);
 };
 

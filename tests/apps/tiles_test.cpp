@@ -212,6 +212,21 @@ TEST_P(PicturesOf, EachEffectInTilesEqualTheWholeBitByBit) {
 INSTANTIATE_TEST_SUITE_P(Looks, PicturesOf, testing::ValuesIn(looks_of_tiles),
                          [](const auto& test) { return test.param.name; });
 
+TEST_F(Pictures, OfComposedObjectsInTilesEqualTheWholeBitByBit) {
+    Scene scene{
+        .objects = {{.field = sampled(builtin_field("gyroid"), 24)},
+                    {.field = sampled(builtin_field("sphere"), 32)}},
+        .tree = {{CsgOperation::Object, 1}, {CsgOperation::Object, 0}, {CsgOperation::Difference}}};
+    scene.look.effects.occlusion = {.strength = 1, .rays = 4};
+    scene.look.effects.curvature_colour.strength = 1;
+    PictureRequest request{.width = 271, .height = 61};
+    renderer.load(scene);
+    const Image whole = draw(request).at(FrameImage::Beauty);
+    renderer.load(scene);
+    request.tile_pixels = 47;
+    EXPECT_EQ(draw(request).at(FrameImage::Beauty).rgba, whole.rgba);
+}
+
 TEST_F(Pictures, LookForNumbersOnceAndOnlyForThoseThatAreNotGiven) {
     Scene scene{.field = sampled(builtin_field("gyroid"), 32)};
     scene.look.effects.ridges = {.strength = 1, .threshold = 2};

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <limits>
 
 namespace isocast {
@@ -46,7 +47,7 @@ ExrLayers exr_layers_from(std::string_view list) {
     const std::map<std::string_view, bool*> known{
         {"P", &layers.position},   {"N", &layers.normal},     {"curvature", &layers.curvature},
         {"T", &layers.directions}, {"AO", &layers.occlusion}, {"shadow", &layers.shadow},
-        {"id", &layers.id}};
+        {"id", &layers.id},        {"steps", &layers.steps}};
     for (;;) {
         const auto comma = list.find(',');
         const auto layer = known.find(list.substr(0, comma));
@@ -66,6 +67,7 @@ std::vector<FrameImage> images_of(const ExrLayers& layers) {
     if (layers.directions) images.push_back(FrameImage::Direction);
     if (layers.occlusion) images.push_back(FrameImage::Occlusion);
     if (layers.shadow) images.push_back(FrameImage::Shadow);
+    if (layers.steps) images.push_back(FrameImage::Steps);
     return images;
 }
 
@@ -145,7 +147,12 @@ ExrImage exr_image(const FrameImages& frame, const Camera& camera, const ExrLaye
     };
     if (layers.occlusion) add_first("AO.Y", FrameImage::Occlusion);
     if (layers.shadow) add_first("shadow.Y", FrameImage::Shadow);
-    if (layers.id) add("id", [&](std::size_t i) { return hits.rgba[4 * i + 3]; });
+    if (layers.id) add("id", [&](std::size_t i) { return std::abs(hits.rgba[4 * i + 3]); });
+    if (layers.steps) {
+        std::vector<float>& steps = exr.channels["debug.steps"].values;
+        for (std::size_t i = 0; i < count; ++i)
+            steps.push_back(frame.at(FrameImage::Steps).rgba[4 * i]);
+    }
 
     const Eigen::Matrix4d world_to_camera = camera_from_world(camera);
     exr.matrices["worldToCamera"] = world_to_camera.cast<float>();

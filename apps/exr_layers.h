@@ -28,10 +28,11 @@ struct ExrLayers {
     bool occlusion = false;  // AO.Y: share of the sky that is seen; 0 on misses
     bool shadow = false;     // shadow.Y: share of the light that is seen; 0 on misses
     bool id = false;         // id: number of the object, from 1; 0 on misses
+    bool steps = false;      // debug.steps: looks at the field, of hits and misses
 };
 
 /// What exr_layers_from understands.
-inline constexpr std::string_view exr_layer_names = "P, N, curvature, T, AO, shadow, id";
+inline constexpr std::string_view exr_layer_names = "P, N, curvature, T, AO, shadow, id, steps";
 
 /// Of exr_layer_names, joined by commas.
 /// throws  UsageError that lists them

@@ -98,13 +98,4 @@ TimeNeighbours neighbours_of(const std::vector<TimedFile>& series, double time) 
                 static_cast<double>(after->time - before->time)};
 }
 
-Morph field_at(const std::vector<TimedFile>& series, double time,
-               const std::function<std::shared_ptr<const FieldSource>(const TimedFile&)>& read,
-               const Progress& progress) {
-    const TimeNeighbours next = neighbours_of(series, time);
-    const std::shared_ptr<const FieldSource> before = read(next.before);
-    if (next.fraction == 0) return {before, {}};
-    return morph(before, read(next.after), next.fraction, Filter::Interpolating, progress);
-}
-
 } // namespace isocast

@@ -1,12 +1,10 @@
-// Fields in time: numbered files, and what lies between two of them.
+// Fields in time: numbered files, and between which two a time lies.
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
-#include "filtering/morph.h"
-
 #include <cstdint>
 #include <filesystem>
-#include <functional>
+#include <string>
 #include <vector>
 
 namespace isocast {
@@ -35,13 +33,5 @@ struct TimeNeighbours {
 };
 /// throws  InputError for a time before the first or after the last
 TimeNeighbours neighbours_of(const std::vector<TimedFile>& series, double time);
-
-/// The field at a time: a file's own, or blended of the two that are next; no others are read.
-///
-/// read    the field of a file; a sequence of pictures keeps those that come again
-/// throws  as neighbours_of and morph
-Morph field_at(const std::vector<TimedFile>& series, double time,
-               const std::function<std::shared_ptr<const FieldSource>(const TimedFile&)>& read,
-               const Progress& progress = {});
 
 } // namespace isocast

@@ -5,7 +5,10 @@
 #include "apps/scene_keys.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <tbb/global_control.h>
+
+#include <algorithm>
 
 namespace isocast {
 
@@ -94,10 +97,12 @@ void add_scene_options(KeyOptions& keys) {
             [](const std::string& text) {
                 return [text](SceneFile& scene) {
                     for (std::size_t i = 0; i < scene.objects.size(); ++i)
-                        set_key(scene, fmt::format("object.{}.iso={}", i, text));
+                        if (!scene.objects[i].csg)
+                            set_key(scene, fmt::format("object.{}.iso={}", i, text));
                 };
             },
-            "Iso value (default: 0 for distances; for other files what `isocast info` suggests)")
+            "Iso value of all objects (default: 0 for distances; for other files what `isocast "
+            "info` suggests)")
         ->type_name("V");
     add_parsed(keys.app, "--resolution", keys.command.resolution, integer_from,
                "Meshes: voxels along the longest side (default 256)")
@@ -169,7 +174,7 @@ void add_output_options(KeyOptions& keys) {
     keys.add("--aov", "output.aov",
              "More channels for an .exr, joined by ',': P (position), N (normal), curvature (k1, "
              "k2, mean, gauss, shapeIndex, curvedness, flag), T (principal directions), AO, "
-             "shadow, id")
+             "shadow, id, steps (how often each ray looked at the field)")
         ->type_name("LIST");
     keys.add_flag("--no-beauty", "output.beauty=false",
                   "An .exr of these alone: nothing is shaded");
@@ -186,11 +191,11 @@ void add_output_options(KeyOptions& keys) {
 
 CLI::App* add_render_options(CLI::App& program, RenderCommand& command) {
     CLI::App* app =
-        program.add_subcommand("render", "Draw a scene, or the isosurface of a field or mesh");
-    app->add_option("IN", command.input,
-                    "Scene (.toml), field (.vdb .nrrd .nhdr .mhd .mha .nii .nii.gz, FILE.vdb:GRID, "
-                    "field:NAME@N) or mesh (.obj .ply .stl .off, mesh:NAME), which is converted on "
-                    "the way")
+        program.add_subcommand("render", "Draw a scene, or the isosurfaces of fields and meshes");
+    app->add_option("IN", command.inputs,
+                    "Scene (.toml); or fields (.vdb .nrrd .nhdr .mhd .mha .nii .nii.gz, "
+                    "FILE.vdb:GRID, field:NAME@N) and meshes (.obj .ply .stl .off, mesh:NAME), "
+                    "which are converted on the way, all in one picture")
         ->required();
     app->add_option("-o,--output", command.output, "Picture to write (.png, .exr)")
         ->required()
@@ -216,16 +221,28 @@ CLI::App* add_render_options(CLI::App& program, RenderCommand& command) {
     return app;
 }
 
+std::string RenderCommand::input() const {
+    return fmt::format("{}", fmt::join(inputs, ", "));
+}
+
 SceneFile scene_of(const RenderCommand& command) {
     SceneFile scene;
-    if (command.input.ends_with(".toml")) {
-        scene = read_scene_file(command.input);
+    const auto scene_file = std::ranges::find_if(
+        command.inputs, [](const std::string& input) { return input.ends_with(".toml"); });
+    if (scene_file != command.inputs.end()) {
+        if (command.inputs.size() > 1)
+            throw UsageError(fmt::format("{}: a scene stands alone; its [[object]]s are drawn "
+                                         "together",
+                                         *scene_file));
+        scene = read_scene_file(*scene_file);
     } else {
-        const Input input = input_from(command.input);
-        if (!input.is_mesh() && command.resolution)
-            throw UsageError(fmt::format("--resolution: {} is a field already", command.input));
-        SceneObject& object = scene.objects.emplace_back();
-        (input.is_mesh() ? object.mesh : object.field) = command.input;
+        for (const std::string& input : command.inputs) {
+            SceneObject& object = scene.objects.emplace_back();
+            (input_from(input).is_mesh() ? object.mesh : object.field) = input;
+        }
+        if (command.resolution &&
+            std::ranges::all_of(scene.objects, &std::string::empty, &SceneObject::mesh))
+            throw UsageError(fmt::format("--resolution: {} is a field already", command.input()));
     }
     for (const std::string& setting : command.settings) {
         try {

@@ -14,7 +14,7 @@ class App;
 namespace isocast {
 
 struct RenderCommand {
-    std::string input;
+    std::vector<std::string> inputs;
     std::filesystem::path output;
     std::vector<std::string> settings;                      // --set
     std::vector<std::function<void(SceneFile&)>> overrides; // other options that stand for keys
@@ -24,13 +24,17 @@ struct RenderCommand {
     bool explain = false;
     std::size_t threads = 0;
     bool json = false;
+
+    /// All that is drawn, for people.
+    std::string input() const;
 };
 
 /// Adds the verb; its options go to `command`, which must outlive it.
 CLI::App* add_render_options(CLI::App& program, RenderCommand& command);
 
-/// The scene that a command asks for: that of its file, or of a bare field or mesh, then --set,
-/// then the other options. throws  UsageError, InputError
+/// The scene that a command asks for: that of its file, or of fields and meshes, then --set, then
+/// the other options.
+/// throws  UsageError, InputError
 SceneFile scene_of(const RenderCommand& command);
 
 } // namespace isocast

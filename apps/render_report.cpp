@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "apps/render_report.h"
 
+#include "apps/scene_objects.h"
 #include "apps/verdict_json.h"
 #include "raycaster/shading.h"
 
@@ -12,9 +13,53 @@
 
 namespace isocast {
 
+namespace {
+
+/// Of all objects together.
+struct BrickTotals {
+    std::int64_t resident = 0;
+    std::int64_t active = 0;
+    std::int64_t loaded = 0;
+    float storage_error = 0;         // of a sample, world units
+    double storage_error_voxels = 0; // in those of its object
+    int coarse_count = 0;
+    int coarse_of = 0; // 0 unless bricks were coarsened
+    LevelCounts coarse_levels{};
+    float coarse_residual = 0;
+    double coarse_residual_voxels = 0;
+};
+
+BrickTotals totals_of(const RenderReport& report) {
+    BrickTotals total;
+    for (std::size_t i = 0; i < report.loaded.objects.size(); ++i) {
+        const double voxel_world = report.loaded.objects[i].field->space().voxel_size_world();
+        const BrickPool& pool = report.renderer.pool(static_cast<int>(i));
+        total.resident += pool.resident_count();
+        total.active += pool.brick_count();
+        total.loaded += pool.loaded_count();
+        total.storage_error = std::max(total.storage_error, pool.storage_error());
+        total.storage_error_voxels =
+            std::max(total.storage_error_voxels, pool.storage_error() / voxel_world);
+        const auto& coarse = report.renderer.coarse_bricks(static_cast<int>(i));
+        if (!coarse) continue;
+        total.coarse_count += coarse->coarse_count();
+        total.coarse_of += coarse->block_count();
+        for (std::size_t level = 0; level < coarse->counts.size(); ++level)
+            total.coarse_levels[level] += coarse->counts[level];
+        total.coarse_residual = std::max(total.coarse_residual, coarse->greatest_residual);
+        total.coarse_residual_voxels =
+            std::max(total.coarse_residual_voxels, coarse->greatest_residual / voxel_world);
+    }
+    return total;
+}
+
+} // namespace
+
 std::vector<std::string> asked_for(const SceneFile& scene) {
     const OutputSpec& output = scene.output;
     std::vector<std::string> asked;
+    if (const std::size_t count = composition_of(scene).parts.size(); count > 1)
+        asked.push_back(fmt::format("{} objects", count));
     if (output.has_beauty)
         asked.push_back(output.samples == 1
                             ? "beauty"
@@ -44,51 +89,60 @@ void print_json(const RenderReport& report) {
                               {"drawn_by", pass.drawn_by}});
         else
             idle.push_back(pass.name);
-    const BrickPool& pool = report.renderer.pool();
+    Json objects = Json::array(); // in the order of their numbers
+    const std::vector<ScenePart> parts = composition_of(report.scene).parts;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        const FieldObject& object = report.loaded.objects[i];
+        objects.push_back({{"name", name_of(report.scene, parts[i].object)},
+                           {"iso", object.iso_world},
+                           {"voxel_size", object.field->space().voxel_size_world()},
+                           {"filter", filter_name(object.filter)}});
+    }
+    const BrickTotals bricks = totals_of(report);
     Json coarse; // null unless bricks were coarsened
-    if (const auto& bricks = report.renderer.coarse_bricks())
-        coarse = {{"count", bricks->coarse_count()},
-                  {"of", bricks->block_count()},
-                  {"levels", bricks->counts},                        // bricks of 8, 4, 2, 1 cells
-                  {"greatest_residual", bricks->greatest_residual}}; // world units
+    if (bricks.coarse_of > 0)
+        coarse = {{"count", bricks.coarse_count},
+                  {"of", bricks.coarse_of},
+                  {"levels", bricks.coarse_levels},               // bricks of 8, 4, 2, 1 cells
+                  {"greatest_residual", bricks.coarse_residual}}; // world units
     const gl::DriverInfo& driver = report.driver;
     const RenderSeconds& seconds = report.seconds;
-    print_json(Json{{"input", report.command.input},
-                    {"output", report.command.output.string()},
-                    {"gl",
-                     {{"backend", driver.backend},
-                      {"vendor", driver.vendor},
-                      {"renderer", driver.renderer},
-                      {"version", driver.version}}},
-                    {"size", {report.scene.output.width, report.scene.output.height}},
-                    {"frames", report.frame_count},
-                    {"asked", asked_for(report.scene)},
-                    {"passes", passes},
-                    {"idle_passes", idle},
-                    {"programs", frame.programs_compiled},
-                    {"texture_bytes", frame.image_bytes + frame.field_bytes + frame.look_bytes},
-                    {"look_bytes", frame.look_bytes},
-                    {"notes", frame.notes},
-                    {"bricks",
-                     {{"resident", pool.resident_count()},
-                      {"active", pool.brick_count()},
-                      {"loaded", pool.loaded_count()}}},
-                    {"fetch", fetch_name(report.fetch.fetch)},
-                    {"coarse_bricks", coarse},
-                    {"storage_error", pool.storage_error()}, // of a sample, world units
-                    {"seconds",
-                     {{"field", seconds.field},
-                      {"context", seconds.context},
-                      {"load", seconds.load},
-                      {"draw", seconds.draw},
-                      {"write", seconds.write},
-                      {"total", seconds.total}}},
-                    {"warnings", report.warnings}});
+    print_json(Json{
+        {"input", report.command.input()},
+        {"output", report.command.output.string()},
+        {"gl",
+         {{"backend", driver.backend},
+          {"vendor", driver.vendor},
+          {"renderer", driver.renderer},
+          {"version", driver.version}}},
+        {"size", {report.scene.output.width, report.scene.output.height}},
+        {"frames", report.frame_count},
+        {"objects", objects},
+        {"asked", asked_for(report.scene)},
+        {"passes", passes},
+        {"idle_passes", idle},
+        {"programs", frame.programs_compiled},
+        {"texture_bytes", frame.image_bytes + frame.field_bytes + frame.look_bytes},
+        {"look_bytes", frame.look_bytes},
+        {"notes", frame.notes},
+        {"bricks",
+         {{"resident", bricks.resident}, {"active", bricks.active}, {"loaded", bricks.loaded}}},
+        {"fetch", fetch_name(report.fetch.fetch)},
+        {"coarse_bricks", coarse},
+        {"storage_error", bricks.storage_error}, // of a sample, world units
+        {"seconds",
+         {{"field", seconds.field},
+          {"context", seconds.context},
+          {"load", seconds.load},
+          {"draw", seconds.draw},
+          {"write", seconds.write},
+          {"total", seconds.total}}},
+        {"warnings", report.warnings}});
 }
 
 void explain(const RenderReport& report) {
     const FrameReport& frame = report.frame;
-    const BrickPool& pool = report.renderer.pool();
+    const BrickTotals bricks = totals_of(report);
     constexpr double mib = 1 << 20;
     fmt::print("asked for: {}\n", fmt::join(asked_for(report.scene), ", "));
     fmt::print("{:<16} {:>10} {:>10}  {}\n", "pass", "ms", "MiB", "asked by");
@@ -109,14 +163,13 @@ void explain(const RenderReport& report) {
     for (const std::string& note : frame.notes) fmt::print("{}\n", note);
     fmt::print(
         "{} of {} bricks on the GPU, {} loaded; stored samples err by {:.2g} voxel at most\n",
-        pool.resident_count(), pool.brick_count(), pool.loaded_count(),
-        pool.storage_error() / report.voxel_size_world);
-    if (const auto& coarse = report.renderer.coarse_bricks())
+        bricks.resident, bricks.active, bricks.loaded, bricks.storage_error_voxels);
+    if (bricks.coarse_of > 0)
         fmt::print(
             "{} bricks of 8^3 cells, {} of 4^3, {} of 2^3, {} of 1: the field errs by {:.2g} "
             "voxel at most near the surface\n",
-            coarse->counts[0], coarse->counts[1], coarse->counts[2], coarse->counts[3],
-            coarse->greatest_residual / report.voxel_size_world);
+            bricks.coarse_levels[0], bricks.coarse_levels[1], bricks.coarse_levels[2],
+            bricks.coarse_levels[3], bricks.coarse_residual_voxels);
     fmt::print("fetches {}: {}\n", fetch_name(report.fetch.fetch), report.fetch.reason);
 }
 
@@ -126,7 +179,7 @@ void print(const RenderReport& report) {
     fmt::print("{}: {}{} x {} pixels by {} ({}), {} bricks\n", report.command.output.string(),
                output.frames ? fmt::format("{} frames of ", report.frame_count) : "", output.width,
                output.height, report.driver.renderer, report.driver.backend,
-               report.renderer.pool().brick_count());
+               totals_of(report).active);
     fmt::print("{:.2f} s: field {:.2f}, context {:.2f}, load {:.2f}, draw {:.2f}, write {:.2f}\n",
                seconds.total, seconds.field, seconds.context, seconds.load, seconds.draw,
                seconds.write);

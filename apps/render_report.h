@@ -22,7 +22,7 @@ struct RenderReport {
     const gl::DriverInfo& driver;
     const Renderer& renderer;
     FetchChoice fetch;
-    double voxel_size_world = 0;
+    const Scene& loaded; // its objects are those of the renderer
     int frame_count = 1;
     FrameReport frame; // the last one's
     std::vector<std::string> warnings;

@@ -39,16 +39,21 @@ void check_command(const RenderCommand& command, const SceneFile& scene) {
                                      filter_name(scene.filter)));
 }
 
+/// Of several objects each has its own, which end in its number.
 ExrImage exr_attributes(const RenderCommand& command, const Scene& scene,
                         const gl::DriverInfo& driver) {
     ExrImage exr;
-    exr.floats = {{"iso", static_cast<float>(scene.iso_world)},
-                  {"voxelSize", static_cast<float>(scene.field->space().voxel_size_world())}};
-    exr.strings = {{"filter", std::string(filter_name(scene.filter))},
-                   {"glRenderer", driver.renderer},
-                   {"source", command.input}};
-    if (scene.derivative_filter)
-        exr.strings["derivativeFilter"] = filter_name(*scene.derivative_filter);
+    exr.strings = {{"glRenderer", driver.renderer}, {"source", command.input()}};
+    for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+        const FieldObject& object = scene.objects[i];
+        const std::string number = scene.objects.size() == 1 ? "" : std::to_string(i + 1);
+        exr.floats["iso" + number] = static_cast<float>(object.iso_world);
+        exr.floats["voxelSize" + number] =
+            static_cast<float>(object.field->space().voxel_size_world());
+        exr.strings["filter" + number] = filter_name(object.filter);
+        if (object.derivative_filter)
+            exr.strings["derivativeFilter" + number] = filter_name(*object.derivative_filter);
+    }
     return exr;
 }
 
@@ -79,13 +84,13 @@ public:
         // work.
         progress_("reading", 0);
         const SceneFile first = scene_at(scene_, 0, frames_.count());
-        OpenedObject object = open_object(first);
+        objects_.open(first);
         seconds_.field = step_.lap();
         context_ = gl::make_context({.backend = command_.backend});
         renderer_.emplace(*context_, first_folder_of(shader_folders));
         seconds_.context = step_.lap();
 
-        load(first, std::move(object));
+        load(first);
         framed_world_ = renderer_->surface_box_world();
         FrameReport frame;
         for (int i = 0; i < frames_.count(); ++i) {
@@ -100,40 +105,55 @@ public:
     }
 
 private:
-    void load(const SceneFile& now, OpenedObject opened) {
+    Scene composed(const SceneFile& now) {
+        return objects_.compose(now, progress_,
+                                [this](const std::string& warning) { warn(warning); });
+    }
+
+    void load(const SceneFile& now) {
         // Of the frame before: a series whose colours mean another thing in each would flicker.
         LookNumbers numbers = renderer_->look_numbers();
-        loaded_ = scene_from(now, std::move(opened), progress_,
-                             [this](const std::string& warning) { warn(warning); });
+        loaded_ = composed(now);
         loaded_.look = look_of(now, is_opaque(now, command_.output));
         seconds_.field += step_.lap();
-        if (!fetch_)
-            fetch_ = choose_fetch(*renderer_, context_->driver(), loaded_.filter, loaded_.storage);
+        if (!fetch_) {
+            // Where one needs Catmull-Rom's, fetches must serve that.
+            const auto hardest =
+                std::ranges::max_element(loaded_.objects, {}, [](const FieldObject& object) {
+                    return kernel_of(object.filter) == Kernel::CatmullRom;
+                });
+            fetch_ = choose_fetch(*renderer_, context_->driver(), hardest->filter, loaded_.storage);
+        }
         loaded_.storage.fetch = fetch_->fetch;
         renderer_->load(loaded_, progress_);
         renderer_->set_look_numbers(std::move(numbers));
         seconds_.load += step_.lap();
-        if (const auto& coarse = renderer_->coarse_bricks())
-            warn(fmt::format(
-                "over the texture budget: {} of {} bricks were coarsened; the surface moves "
-                "by up to {:.2g} voxel where the field's slope is one",
-                coarse->coarse_count(), coarse->block_count(),
-                coarse->greatest_residual / loaded_.field->space().voxel_size_world()));
+        for (std::size_t i = 0; i < loaded_.objects.size(); ++i)
+            if (const auto& coarse = renderer_->coarse_bricks(static_cast<int>(i)))
+                warn(fmt::format(
+                    "over the texture budget: {} of {} bricks were coarsened; the surface moves "
+                    "by up to {:.2g} voxel where the field's slope is one",
+                    coarse->coarse_count(), coarse->block_count(),
+                    coarse->greatest_residual /
+                        loaded_.objects[i].field->space().voxel_size_world()));
     }
 
     /// What a frame after the first needs.
     void change_to(const SceneFile& now) {
         const Change change = change_of(scene_);
         if (change == Change::Load) {
-            load(now, open_object(now));
+            objects_.open(now);
+            load(now);
             return;
         }
         if (change >= Change::Look)
             renderer_->set_look(look_of(now, is_opaque(now, command_.output)));
         if (change < Change::Iso) return;
-        const SceneObject& object = now.objects[drawn_objects(now).front()];
-        loaded_.iso_world = object.iso_world.value_or(loaded_.iso_world);
-        renderer_->set_iso(loaded_.iso_world);
+        const Scene moved = composed(now);
+        for (std::size_t i = 0; i < moved.objects.size(); ++i)
+            if (moved.objects[i].iso_world != loaded_.objects[i].iso_world)
+                renderer_->set_iso(moved.objects[i].iso_world, static_cast<int>(i));
+        loaded_.objects = moved.objects;
         seconds_.load += step_.lap();
     }
 
@@ -161,15 +181,20 @@ private:
 
     void warn(const std::string& warning) {
         if (std::ranges::find(warnings_, warning) != warnings_.end()) return; // of another frame
-        console_.warn(fmt::format("{}: {}", command_.input, warning));
+        console_.warn(fmt::format("{}: {}", command_.input(), warning));
         warnings_.push_back(warning);
     }
 
     void warn_if_nothing_is_seen() {
         if (renderer_->has_surface()) return;
-        const ValueRange range = loaded_.field->value_range(loaded_.field->extent());
+        if (is_composed(loaded_)) {
+            warn("nothing is left of the objects together");
+            return;
+        }
+        const FieldObject& object = loaded_.objects.front();
+        const ValueRange range = object.field->value_range(object.field->extent());
         warn(fmt::format("the field never crosses the iso value {}: its values lie in {} ... {}",
-                         loaded_.iso_world, range.min, range.max));
+                         object.iso_world, range.min, range.max));
     }
 
     void report(const FrameReport& frame) const {
@@ -178,7 +203,7 @@ private:
                                   .driver = context_->driver(),
                                   .renderer = *renderer_,
                                   .fetch = *fetch_,
-                                  .voxel_size_world = loaded_.field->space().voxel_size_world(),
+                                  .loaded = loaded_,
                                   .frame_count = frames_.count(),
                                   .frame = frame,
                                   .warnings = warnings_,
@@ -205,6 +230,7 @@ private:
     std::unique_ptr<gl::Context> context_;
     std::optional<Renderer> renderer_;
     std::optional<FetchChoice> fetch_;
+    SceneObjects objects_;
     Scene loaded_;
     std::array<Vec3d, 8> framed_world_;
 };

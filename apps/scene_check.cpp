@@ -1,7 +1,8 @@
 // What is wrong with a scene as a whole.
 // SPDX-License-Identifier: MPL-2.0
 #include "apps/inputs.h"
-#include "apps/scene_file.h"
+#include "apps/scene_objects.h"
+#include "apps/sequence.h"
 #include "volume/errors.h"
 
 #include <fmt/format.h>
@@ -9,7 +10,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <set>
 
 namespace isocast {
 
@@ -27,8 +27,10 @@ public:
         const std::string front = place != scene_.places.end() ? fmt::format("{}: ", place->second)
                                   : scene_.path.empty()        ? ""
                                                         : fmt::format("{}: ", scene_.path.string());
-        list_.push_back(fmt::format("{}{}: {}", front, key, what));
+        const std::string problem = fmt::format("{}{}: {}", front, key, what);
+        if (std::ranges::find(list_, problem) == list_.end()) list_.push_back(problem);
     }
+    bool empty() const { return list_.empty(); }
     void end() const {
         if (!list_.empty()) throw InputError(fmt::format("{}", fmt::join(list_, "\n")));
     }
@@ -42,16 +44,9 @@ std::string key_of(std::size_t object, const char* key) {
     return fmt::format("object.{}.{}", object, key);
 }
 
-/// The operands of an object, and the key that names them.
-std::pair<const std::vector<std::string>*, const char*> operands_of(const SceneObject& object) {
-    if (object.csg) return {&object.of, "of"};
-    return {&object.morph, "morph"};
-}
-
-std::optional<std::size_t> object_named(const SceneFile& scene, const std::string& name) {
-    const auto found = std::ranges::find(scene.objects, name, &SceneObject::name);
-    if (name.empty() || found == scene.objects.end()) return std::nullopt;
-    return static_cast<std::size_t>(found - scene.objects.begin());
+/// The key that names the operands of an object.
+std::string key_of_operands(const SceneFile& scene, std::size_t i) {
+    return key_of(i, scene.objects[i].csg ? "of" : "morph");
 }
 
 void check_object(const SceneFile& scene, std::size_t i, Problems& problems) {
@@ -72,15 +67,63 @@ void check_object(const SceneFile& scene, std::size_t i, Problems& problems) {
         problems.add(key_of(i, "morph"), "two objects are needed");
     if (object.resolution && object.mesh.empty())
         problems.add(key_of(i, "resolution"), "only meshes are converted");
-    const auto [operands, key] = operands_of(object);
-    for (const std::string& name : *operands)
-        if (!object_named(scene, name)) {
+    if (object.time && object.series.empty())
+        problems.add(key_of(i, "time"), "only a series has times");
+    const Placement unplaced;
+    for (const auto& [key, is_there] :
+         {std::pair{"iso", object.iso_world.has_value()},
+          std::pair{"filter", object.filter.has_value()},
+          std::pair{"scale", object.placement.scale != unplaced.scale},
+          std::pair{"rotate", object.placement.rotation_degrees != unplaced.rotation_degrees},
+          std::pair{"translate", object.placement.translation_world != unplaced.translation_world}})
+        if (object.csg && is_there)
+            problems.add(key_of(i, key), "a csg has none, those that it combines have");
+    for (const std::string& name : operands_of(object)) {
+        const auto operand = object_named(scene, name);
+        if (!operand) {
             std::vector<std::string> known;
             for (const SceneObject& other : scene.objects)
                 if (!other.name.empty()) known.push_back(other.name);
-            problems.add(key_of(i, key), fmt::format("there is no object '{}' (known: {})", name,
-                                                     fmt::join(known, ", ")));
+            problems.add(
+                key_of_operands(scene, i),
+                fmt::format("there is no object '{}' (known: {})", name, fmt::join(known, ", ")));
+        } else if (!object.csg && scene.objects[*operand].csg) {
+            problems.add(key_of_operands(scene, i),
+                         fmt::format("'{}' is a csg; a morph blends two fields, meshes, morphs or "
+                                     "series",
+                                     name));
         }
+    }
+}
+
+void check_series(const SceneFile& scene, std::size_t i, Problems& problems) {
+    const SceneObject& object = scene.objects[i];
+    if (object.series.empty()) return;
+    try {
+        field_series(object.series);
+    } catch (const InputError& error) {
+        problems.add(key_of(i, "series"), error.what());
+        return;
+    }
+    try {
+        files_of_series(object);
+    } catch (const InputError& error) {
+        problems.add(key_of(i, "time"), error.what());
+    }
+}
+
+/// What the renderer cannot draw together.
+void check_composition(const SceneFile& scene, Problems& problems) {
+    const std::vector<ScenePart> parts = composition_of(scene).parts;
+    if (parts.size() > max_object_count)
+        problems.add(fmt::format("object.{}", parts[max_object_count].object),
+                     fmt::format("{} fields are drawn together, {} at most can be", parts.size(),
+                                 max_object_count));
+    if (parts.size() < 2) return;
+    if (scene.quality.rate)
+        problems.add("quality.rate", "several objects are searched by certified steps alone");
+    if (scene.quality.traversal != Traversal::TileLists)
+        problems.add("quality.traversal", "several objects are found through lists alone");
 }
 
 /// Each cycle of operands once.
@@ -91,15 +134,14 @@ void check_cycles(const SceneFile& scene, Problems& problems) {
     const std::function<void(std::size_t)> visit = [&](std::size_t i) {
         states[i] = State::Open;
         way.push_back(scene.objects[i].name);
-        const auto [operands, key] = operands_of(scene.objects[i]);
-        for (const std::string& name : *operands) {
+        for (const std::string& name : operands_of(scene.objects[i])) {
             const auto next = object_named(scene, name);
             if (!next) continue;
             if (states[*next] == State::New) visit(*next);
             if (states[*next] != State::Open) continue;
             std::vector<std::string> cycle(std::ranges::find(way, name), way.end());
             cycle.push_back(name);
-            problems.add(key_of(i, key),
+            problems.add(key_of_operands(scene, i),
                          fmt::format("an object is made of itself: {}", fmt::join(cycle, " -> ")));
         }
         way.pop_back();
@@ -151,10 +193,19 @@ void check_animations(const SceneFile& scene, Problems& problems) {
 void check_scene(const SceneFile& scene) {
     Problems problems(scene);
     if (scene.objects.empty()) problems.add("object", "there is none");
-    for (std::size_t i = 0; i < scene.objects.size(); ++i) check_object(scene, i, problems);
-    check_cycles(scene, problems);
-    check_camera(scene, problems);
     check_animations(scene, problems);
+    // The rest holds for the first frame and the last, which numbers lie between.
+    std::vector<SceneFile> frames{scene};
+    if (const int count = scene.output.frames.value_or(FrameRange{}).count(); problems.empty())
+        frames = {scene_at(scene, 0, count), scene_at(scene, count - 1, count)};
+    for (const SceneFile& frame : frames)
+        for (std::size_t i = 0; i < frame.objects.size(); ++i) {
+            check_object(frame, i, problems);
+            check_series(frame, i, problems);
+        }
+    check_cycles(scene, problems);
+    if (problems.empty()) check_composition(scene, problems);
+    check_camera(scene, problems);
     if (scene.look.lights.size() > max_light_count)
         problems.add(fmt::format("light.{}", max_light_count),
                      fmt::format("{} lights at most", max_light_count));
@@ -174,16 +225,14 @@ void check_scene(const SceneFile& scene) {
     problems.end();
 }
 
-std::vector<std::size_t> drawn_objects(const SceneFile& scene) {
-    std::set<std::string> used;
-    for (const SceneObject& object : scene.objects) {
-        const auto* operands = operands_of(object).first;
-        used.insert(operands->begin(), operands->end());
-    }
-    std::vector<std::size_t> drawn;
-    for (std::size_t i = 0; i < scene.objects.size(); ++i)
-        if (!used.contains(scene.objects[i].name)) drawn.push_back(i);
-    return drawn;
+std::optional<std::size_t> object_named(const SceneFile& scene, const std::string& name) {
+    const auto found = std::ranges::find(scene.objects, name, &SceneObject::name);
+    if (name.empty() || found == scene.objects.end()) return std::nullopt;
+    return static_cast<std::size_t>(found - scene.objects.begin());
+}
+
+const std::vector<std::string>& operands_of(const SceneObject& object) {
+    return object.csg ? object.of : object.morph;
 }
 
 } // namespace isocast

@@ -5,6 +5,7 @@
 #include "apps/camera_spec.h"
 #include "apps/exr_layers.h"
 #include "raycaster/scene.h"
+#include "volume/placed_field.h"
 
 #include <filesystem>
 #include <map>
@@ -23,14 +24,17 @@ struct SceneObject {
     std::optional<Csg> csg;
     std::vector<std::string> of; // names of operands
     std::vector<std::string> morph;
-    double t = 0;       // morph: 0 is the first, 1 the second
-    std::string series; // a file name with one run of #, which stands for a number
-    double time = 0;    // the number, rounded
+    double t = 0;               // morph: 0 is the first, 1 the second
+    std::string series;         // a file name with a place for a number, as field_series has it
+    std::optional<double> time; // of the series; else that of its first file
 
     std::optional<int> resolution; // of meshes
-    std::optional<double> iso_world;
+    double band_voxels = 3;        // of meshes, half width
+    Placement placement;
+    std::optional<double> iso_world; // before it is placed
     std::optional<Filter> filter;
     std::optional<Vec3d> colour;
+    std::optional<Vec3d> cut_colour;
 };
 
 /// Where the camera is at a time of a sequence.
@@ -115,7 +119,10 @@ void set_number(SceneFile& scene, const std::string& key, double value);
 /// throws  InputError with every problem
 void check_scene(const SceneFile& scene);
 
-/// Which of the objects no other one is made of.
-std::vector<std::size_t> drawn_objects(const SceneFile& scene);
+/// By its name.
+std::optional<std::size_t> object_named(const SceneFile& scene, const std::string& name);
+
+/// Names of what an object is made of; none for a field, a mesh or a series.
+const std::vector<std::string>& operands_of(const SceneObject& object);
 
 } // namespace isocast

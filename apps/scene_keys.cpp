@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "apps/scene_keys.h"
 
+#include "apps/field_series.h"
 #include "apps/key_kinds.h"
 #include "apps/output_words.h"
+#include "volume/files.h"
 
 #include <algorithm>
 
@@ -116,6 +118,8 @@ SceneTable light_table() {
 SceneTable object_table() {
     constexpr auto object =
         within([](SceneFile& file, std::size_t i) -> SceneObject& { return file.objects[i]; });
+    constexpr auto placement = within(
+        [](SceneFile& file, std::size_t i) -> Placement& { return file.objects[i].placement; });
     using Csg = SceneObject::Csg;
     return {
         "object",
@@ -134,24 +138,39 @@ SceneTable object_table() {
          number("t", object(&SceneObject::t), share,
                 "0: the first object of `morph`, 1: the second"),
          special("series", "file name with #", "",
-                 "A series of fields, like \"field_####.vdb\": the run of # stands for a number of "
-                 "so many digits",
+                 "Fields in time, like \"field_####.vdb\": the run of # stands for a number of at "
+                 "least so many digits, as %04d does",
                  [](SceneFile& file, std::size_t i, const SceneValue& value, const Path& folder) {
                      const std::string name = text_of(value);
-                     const auto first = name.find('#');
-                     if (first == std::string::npos ||
-                         name.find('#', name.find_first_not_of('#', first)) != std::string::npos)
+                     if (!is_series(name))
                          throw UsageError(fmt::format("'{}' has no single run of #", name));
+                     if (!is_field_file(name))
+                         throw UsageError(fmt::format("'{}' names no field files ({})", name,
+                                                      field_file_extensions()));
                      file.objects[i].series = resolved(name, folder);
                  }),
-         number("time", object(&SceneObject::time), {}, "The number of `series`, rounded"),
+         number("time", object(&SceneObject::time), {},
+                "A number of `series`, or between two: their fields are blended; the first unless "
+                "said"),
          integer("resolution", object(&SceneObject::resolution), {},
                  "Meshes: voxels along the longest side, 256 unless said"),
+         number("band", object(&SceneObject::band_voxels), Range{.lo = 1},
+                "Meshes: distances are known so far from the surface [voxels]; for morphs more is "
+                "needed"),
+         number("scale", placement(&Placement::scale), Range{1e-6, 1e6},
+                "Of its size, about the origin, and of its distances"),
+         vector("rotate", placement(&Placement::rotation_degrees),
+                "Then it is turned about the axes x, y and z, in this order [degrees]"),
+         vector("translate", placement(&Placement::translation_world), "Then it is moved"),
          number("iso", object(&SceneObject::iso_world), {},
                 "Iso value; unless said 0 for distances, for other files what `isocast info` "
-                "suggests"),
+                "suggests, and between two fields what lies between theirs; `scale` goes with it"),
          choice("filter", object(&SceneObject::filter), filters(), "In place of [quality] filter"),
-         colour("colour", object(&SceneObject::colour), "In place of [shading] colour")},
+         colour("colour", object(&SceneObject::colour),
+                "In place of [shading] colour; that of a csg is for those of its objects that have "
+                "none"),
+         colour("cut_colour", object(&SceneObject::cut_colour),
+                "Where it is taken away from others, in place of `colour`")},
         [](const SceneFile& file) { return file.objects.size(); },
         [](SceneFile& file, std::size_t n) { file.objects.resize(n); }};
 }

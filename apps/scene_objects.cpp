@@ -2,6 +2,7 @@
 #include "apps/scene_objects.h"
 
 #include "distance_transform/convert.h"
+#include "filtering/morph.h"
 #include "volume/errors.h"
 #include "volume/histogram.h"
 
@@ -9,77 +10,232 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace isocast {
 
 namespace {
 
-/// Refuses what a Scene cannot hold.
-const SceneObject& only_object(const SceneFile& scene) {
-    const std::vector<std::size_t> drawn = drawn_objects(scene);
-    if (drawn.size() != 1)
-        throw InputError(fmt::format("{} objects: one at a time can be drawn", drawn.size()));
-    const SceneObject& object = scene.objects[drawn.front()];
-    if (object.csg || !object.morph.empty())
-        throw InputError("csg and morph of objects cannot be drawn yet");
-    return object;
+CsgOperation operation_of(SceneObject::Csg csg) {
+    switch (csg) {
+    case SceneObject::Csg::Union:
+        return CsgOperation::Union;
+    case SceneObject::Csg::Intersection:
+        return CsgOperation::Intersection;
+    case SceneObject::Csg::Difference:
+        break;
+    }
+    return CsgOperation::Difference;
 }
 
-/// The file of a series at a time.
-std::string file_of_series(const SceneObject& object) {
-    const auto first = object.series.find('#');
-    const auto last = object.series.rfind('#');
-    return fmt::format("{}{:0{}}{}", object.series.substr(0, first), std::lround(object.time),
-                       last - first + 1, object.series.substr(last + 1));
+/// Which of the objects no other one is made of.
+std::vector<std::size_t> drawn_objects(const SceneFile& scene) {
+    std::set<std::string> used;
+    for (const SceneObject& object : scene.objects)
+        used.insert(operands_of(object).begin(), operands_of(object).end());
+    std::vector<std::size_t> drawn;
+    for (std::size_t i = 0; i < scene.objects.size(); ++i)
+        if (!used.contains(scene.objects[i].name)) drawn.push_back(i);
+    return drawn;
 }
 
-Input input_of(const SceneObject& object) {
-    if (!object.series.empty()) return input_from(file_of_series(object));
-    return input_from(object.mesh.empty() ? object.field : object.mesh);
+/// Appends an object: its part of the tree, and what it is made of.
+///
+/// around  has the colours of the csg that it is in
+void add(const SceneFile& scene, std::size_t i, ScenePart around, Composition& out) {
+    const SceneObject& object = scene.objects[i];
+    if (object.colour) around.colour = object.colour;
+    if (object.cut_colour) around.cut_colour = object.cut_colour;
+    if (object.csg) {
+        for (std::size_t k = 0; k < object.of.size(); ++k) {
+            add(scene, object_named(scene, object.of[k]).value(), around, out);
+            if (k > 0) out.tree.push_back({operation_of(*object.csg)});
+        }
+        return;
+    }
+    constexpr std::size_t most_steps = 4096; // a csg that is named twice has its steps twice
+    if (out.tree.size() >= most_steps)
+        throw InputError(fmt::format("the csg of the scene has more than {} steps", most_steps));
+    around.object = i;
+    const auto found = std::ranges::find(out.parts, around);
+    out.tree.push_back({CsgOperation::Object, static_cast<int>(found - out.parts.begin())});
+    if (found == out.parts.end()) out.parts.push_back(around);
+}
+
+/// The files of an object at its time; one or two of a series.
+std::vector<std::string> inputs_of(const SceneObject& object) {
+    if (!object.series.empty()) {
+        const TimeNeighbours next = files_of_series(object);
+        if (next.fraction == 0) return {next.before.path};
+        return {next.before.path, next.after.path};
+    }
+    if (object.csg || !object.morph.empty()) return {};
+    return {object.mesh.empty() ? object.field : object.mesh};
 }
 
 } // namespace
 
-OpenedObject open_object(const SceneFile& scene) {
-    OpenedObject opened{.input = input_of(only_object(scene))};
-    if (opened.input.is_mesh())
-        opened.mesh = read_checked_mesh(opened.input);
-    else
-        opened.field = read_field(opened.input, scene.memory_bytes.value_or(default_field_bytes()));
-    return opened;
+Composition composition_of(const SceneFile& scene) {
+    Composition out;
+    for (const std::size_t i : drawn_objects(scene)) {
+        const bool is_first = out.tree.empty();
+        add(scene, i, {}, out);
+        if (!is_first) out.tree.push_back({CsgOperation::Union});
+    }
+    return out;
 }
 
-Scene scene_from(const SceneFile& scene, OpenedObject opened, const Progress& progress,
-                 const std::function<void(const std::string&)>& warn) {
-    const SceneObject& object = only_object(scene);
-    if (opened.mesh) {
-        const ConvertOptions options{
-            .voxel_size_world = voxel_size_for_resolution(bounding_box(opened.mesh->mesh),
-                                                          object.resolution.value_or(256)),
-            .memory_bytes = scene.memory_bytes.value_or(ConvertOptions{}.memory_bytes)};
-        ConvertResult result = convert(*opened.mesh, options, progress);
-        for (const auto& warning : opened.mesh->warnings) warn(warning);
-        for (const auto& warning : result.warnings) warn(warning);
-        opened.field = std::make_shared<SparseField>(std::move(result.field));
+TimeNeighbours files_of_series(const SceneObject& object) {
+    const std::vector<TimedFile> files = field_series(object.series);
+    const double time = object.time.value_or(static_cast<double>(files.front().time));
+    // 1e-6: far above the roundings of times that are animated; a blend with so much of another
+    // file could not be told from the file alone.
+    const bool is_at_a_number = std::abs(time - std::round(time)) < 1e-6;
+    return neighbours_of(files, is_at_a_number ? std::round(time) : time);
+}
+
+std::string name_of(const SceneFile& scene, std::size_t object) {
+    const std::string& name = scene.objects[object].name;
+    return name.empty() ? fmt::format("object.{}", object) : name;
+}
+
+SceneObjects::SourceKey SceneObjects::key_of(const SceneObject& object, const std::string& input) {
+    if (object.mesh.empty()) return {input};
+    return {input, object.resolution.value_or(256), object.band_voxels};
+}
+
+void SceneObjects::open(const SceneFile& scene) {
+    std::map<SourceKey, Source> needed;
+    for (const SceneObject& object : scene.objects)
+        for (const std::string& input : inputs_of(object)) {
+            const SourceKey key = key_of(object, input);
+            if (auto kept = sources_.extract(key)) needed.insert(std::move(kept));
+            needed.try_emplace(key);
+        }
+    if (!sources_.empty()) {
+        pairs_.clear();
+        placed_.clear();
     }
-    Scene out;
-    out.field = std::move(opened.field);
-    // A file may hold anything; meshes and built-in fields have their surface at 0.
-    const bool is_file = opened.input.kind == Input::Kind::FieldFile;
-    out.iso_world = object.iso_world ? *object.iso_world
-                    : is_file        ? suggested_iso(*out.field).iso
-                                     : 0;
-    out.filter = object.filter.value_or(scene.filter);
-    out.derivative_filter = scene.derivative_filter;
-    out.curvature_scale_voxels = scene.curvature_scale_voxels;
-    out.storage = scene.storage;
-    out.quality = scene.quality;
+    sources_ = std::move(needed); // what is not needed goes before more is read
+    for (auto& [key, source] : sources_) {
+        if (source.mesh || source.field) continue;
+        source.input = input_from(key.input);
+        if (source.input.is_mesh())
+            source.mesh = read_checked_mesh(source.input);
+        else
+            source.field =
+                read_field(source.input, scene.memory_bytes.value_or(default_field_bytes()));
+    }
+}
+
+/// Fields of a frame's objects.
+class SceneObjects::Making {
+public:
+    Making(SceneObjects& kept, const SceneFile& scene, const Progress& progress,
+           const std::function<void(const std::string&)>& warn)
+        : kept_(kept), scene_(scene), progress_(progress), warn_(warn) {}
+
+    Surface surface_of(std::size_t i) {
+        const SceneObject& object = scene_.objects[i];
+        Surface surface = !object.morph.empty()    ? morph_of(i)
+                          : !object.series.empty() ? series_of(i)
+                                                   : source_of(i, inputs_of(object).front());
+        surface.iso_world = object.iso_world.value_or(surface.iso_world);
+        if (object.placement == Placement()) return surface;
+        Placed& placed = kept_.placed_[i];
+        if (placed.from != surface.field || placed.placement != object.placement)
+            placed = {surface.field, object.placement,
+                      std::make_shared<PlacedField>(surface.field, object.placement)};
+        return {placed.field, surface.iso_world * object.placement.scale};
+    }
+
+private:
+    /// A blend of what is 0 on the surfaces, each field less its iso value, is 0 where that of the
+    /// fields has the blend of the iso values.
+    static double blended_iso(double a, double b, double t) { return (1 - t) * a + t * b; }
+
+    Surface morph_of(std::size_t i) {
+        const SceneObject& object = scene_.objects[i];
+        const Surface a = surface_of(object_named(scene_, object.morph[0]).value());
+        const Surface b = surface_of(object_named(scene_, object.morph[1]).value());
+        Fields fields{a.field, b.field};
+        if (object.t > 0 && object.t < 1) {
+            Pair& pair = kept_.pairs_[i];
+            if (pair.fields != fields)
+                pair = {fields, on_one_lattice(a.field, b.field, Filter::Interpolating, progress_)};
+            fields = pair.on_one_lattice;
+        }
+        return {checked(i, morph(fields[0], fields[1], object.t)),
+                blended_iso(a.iso_world, b.iso_world, object.t)};
+    }
+
+    Surface series_of(std::size_t i) {
+        const SceneObject& object = scene_.objects[i];
+        const TimeNeighbours next = files_of_series(object);
+        const Surface before = source_of(i, next.before.path);
+        const Surface after = source_of(i, next.after.path);
+        return {checked(i, morph(before.field, after.field, next.fraction, Filter::Interpolating,
+                                 progress_)),
+                blended_iso(before.iso_world, after.iso_world, next.fraction)};
+    }
+
+    Surface source_of(std::size_t i, const std::string& input) {
+        const SceneObject& object = scene_.objects[i];
+        Source& source = kept_.sources_.at(key_of(object, input));
+        if (source.mesh) {
+            const ConvertOptions options{
+                .voxel_size_world = voxel_size_for_resolution(bounding_box(source.mesh->mesh),
+                                                              object.resolution.value_or(256)),
+                .half_width_voxels = object.band_voxels,
+                .memory_bytes = scene_.memory_bytes.value_or(ConvertOptions{}.memory_bytes)};
+            ConvertResult result = convert(*source.mesh, options, progress_);
+            for (const auto& warning : source.mesh->warnings) warn(i, warning);
+            for (const auto& warning : result.warnings) warn(i, warning);
+            source.field = std::make_shared<SparseField>(std::move(result.field));
+            source.mesh.reset();
+        }
+        // A file may hold anything; meshes and built-in fields have their surface at 0.
+        if (!source.iso_world && !object.iso_world)
+            source.iso_world =
+                source.input.kind == Input::Kind::FieldFile ? suggested_iso(*source.field).iso : 0;
+        return {source.field, source.iso_world.value_or(0)};
+    }
+
+    std::shared_ptr<const FieldSource> checked(std::size_t i, const Morph& morph) {
+        if (morph.warning) warn(i, *morph.warning);
+        return morph.field;
+    }
+
+    void warn(std::size_t i, const std::string& warning) {
+        warn_(scene_.objects.size() == 1 ? warning
+                                         : fmt::format("{}: {}", name_of(scene_, i), warning));
+    }
+
+    SceneObjects& kept_;
+    const SceneFile& scene_;
+    const Progress& progress_;
+    const std::function<void(const std::string&)>& warn_;
+};
+
+Scene SceneObjects::compose(const SceneFile& scene, const Progress& progress,
+                            const std::function<void(const std::string&)>& warn) {
+    Making making(*this, scene, progress, warn);
+    const Composition composition = composition_of(scene);
+    Scene out{.curvature_scale_voxels = scene.curvature_scale_voxels,
+              .storage = scene.storage,
+              .quality = scene.quality,
+              .tree = composition.tree};
+    for (const ScenePart& part : composition.parts) {
+        const Surface surface = making.surface_of(part.object);
+        out.objects.push_back({surface.field, surface.iso_world,
+                               scene.objects[part.object].filter.value_or(scene.filter),
+                               scene.derivative_filter, part.colour, part.cut_colour});
+    }
     return out;
 }
 
 Look look_of(const SceneFile& scene, bool is_opaque) {
     Look look = scene.look;
-    look.material.colour = only_object(scene).colour.value_or(look.material.colour);
     if (!is_opaque) {
         look.background = Vec3d::Zero();
         look.shows_environment = false;

@@ -1,32 +1,97 @@
-// From what a scene file says of objects to the field that is drawn.
+// From what a scene file says of objects to the fields that are drawn.
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
+#include "apps/field_series.h"
 #include "apps/inputs.h"
 #include "apps/scene_file.h"
 #include "volume/progress.h"
 
+#include <array>
 #include <functional>
+#include <map>
 
 namespace isocast {
 
-/// The object that a scene draws, read from its file.
-struct OpenedObject {
-    Input input;
-    std::optional<CheckedMesh> mesh; // to be converted
-    std::shared_ptr<const FieldSource> field;
+/// An object with a field of its own, as a part of what is drawn.
+struct ScenePart {
+    std::size_t object = 0; // in SceneFile::objects
+    // Its own, or those of the csg that it is in.
+    std::optional<Vec3d> colour;
+    std::optional<Vec3d> cut_colour;
+    bool operator==(const ScenePart&) const = default;
 };
 
-/// throws  InputError if the file cannot be read, or if the scene asks for what cannot be drawn
-OpenedObject open_object(const SceneFile& scene);
+/// What a scene draws: the union of the objects that no other one is made of.
+struct Composition {
+    std::vector<ScenePart> parts; // each once, in the order in which the tree first names them
+    CsgTree tree;                 // of these
+};
+/// scene  checked, but for the number of its parts
+Composition composition_of(const SceneFile& scene);
 
-/// What the renderer loads. Meshes are converted here, which is the long work.
-///
-/// warn  told what was noticed on the way
-Scene scene_from(const SceneFile& scene, OpenedObject object, const Progress& progress,
-                 const std::function<void(const std::string&)>& warn);
+/// The files of a series next to its object's time.
+/// throws  InputError if there are none, or as neighbours_of
+TimeNeighbours files_of_series(const SceneObject& object);
 
-/// The look, with the object's colour. Pictures that are not opaque have no background.
+/// An object's name; without one, its place: "object.2".
+std::string name_of(const SceneFile& scene, std::size_t object);
+
+/// The fields of a scene's objects. Between frames it keeps what comes again: files that were read,
+/// meshes that were converted, fields that were resampled for a morph.
+class SceneObjects {
+public:
+    /// Reads the files that the scene's objects need, and forgets all others.
+    /// throws  InputError if one cannot be read
+    void open(const SceneFile& scene);
+
+    /// What the renderer loads, but for its look. Meshes are converted here, which is the long
+    /// work.
+    ///
+    /// scene  opened; iso values may have changed since
+    /// warn   told what was noticed on the way
+    Scene compose(const SceneFile& scene, const Progress& progress,
+                  const std::function<void(const std::string&)>& warn);
+
+private:
+    /// What is read, and how it becomes a field.
+    struct SourceKey {
+        std::string input;
+        int resolution = 0; // of meshes
+        double band_voxels = 0;
+        auto operator<=>(const SourceKey&) const = default;
+    };
+    struct Source {
+        Input input;
+        std::optional<CheckedMesh> mesh; // to be converted
+        std::shared_ptr<const FieldSource> field;
+        std::optional<double> iso_world; // found when it is first asked for
+    };
+    struct Surface {
+        std::shared_ptr<const FieldSource> field;
+        double iso_world = 0;
+    };
+    /// Two fields, and the same with their samples at the same places.
+    using Fields = std::array<std::shared_ptr<const FieldSource>, 2>;
+    struct Pair {
+        Fields fields;
+        Fields on_one_lattice;
+    };
+    struct Placed {
+        std::shared_ptr<const FieldSource> from;
+        Placement placement;
+        std::shared_ptr<const FieldSource> field;
+    };
+    class Making; // of one frame
+
+    static SourceKey key_of(const SceneObject& object, const std::string& input);
+
+    std::map<SourceKey, Source> sources_;
+    std::map<std::size_t, Pair> pairs_; // of morphs, by object
+    std::map<std::size_t, Placed> placed_;
+};
+
+/// The look of the scene. Pictures that are not opaque have no background.
 Look look_of(const SceneFile& scene, bool is_opaque);
 
 } // namespace isocast

@@ -268,10 +268,14 @@ void run_teem(Renderer& renderer, int size) {
         }
 }
 
-void run_cost(gl::Context& context, int size, int repeats, int greatest_resolution) {
-    fmt::print("\nPasses of picture space, {}^2 pixels of a torus, ms: median of {} turns; in "
-               "brackets by the smallest field's of the same turn, median\n{:<6} {:>8} {:>9}",
-               size, repeats, "N", "hits", "raycast");
+void run_cost(gl::Context& context, int size, int repeats, int greatest_resolution,
+              const StorageOptions& storage) {
+    fmt::print("\nPasses of picture space, {}^2 pixels of a torus, {} of {}, ms: median of {} "
+               "turns; in brackets by the smallest field's of the same turn, median\n"
+               "{:<6} {:>8} {:>9}",
+               size, fetch_name(storage.fetch),
+               storage.format == SampleFormat::Float16 ? "float16" : "float32", repeats, "N",
+               "hits", "raycast");
     const std::array passes{"gradient", "curvature", "direction", "flow noise", "flow"};
     for (const char* pass : passes) fmt::print(" {:>16}", pass);
     fmt::print("\n");
@@ -287,7 +291,7 @@ void run_cost(gl::Context& context, int size, int repeats, int greatest_resoluti
         const std::shared_ptr<const FieldSource> field = sampled(builtin_field("torus"), n, 5.0);
         // Drawn blocks: gradients have a pass of their own.
         fields.back().renderer->load(
-            {.field = field, .quality = {.traversal = Traversal::DrawnBlocks}});
+            {.field = field, .storage = storage, .quality = {.traversal = Traversal::DrawnBlocks}});
     }
     const Camera camera{.eye_world = {2.9, 2.2, 5.2}, .target_world = Vec3d::Zero()};
     for (int turn = -1; turn < repeats; ++turn)
@@ -343,5 +347,11 @@ int main(int argc, char** argv) {
         run_accuracy(renderer, size);
     }
     if (only.empty() || only == "teem") run_teem(renderer, size);
-    if (only.empty() || only == "cost") run_cost(*context, size, repeats, greatest_resolution);
+    if (only.empty() || only == "cost")
+        // The default, half of its memory, and a quarter of it by more fetches.
+        for (const StorageOptions& storage :
+             {StorageOptions{.fetch = Fetch::Rows},
+              StorageOptions{.fetch = Fetch::Rows, .format = SampleFormat::Float16},
+              StorageOptions{.fetch = Fetch::Samples}})
+            run_cost(*context, size, repeats, greatest_resolution, storage);
 }

@@ -114,6 +114,20 @@ std::shared_ptr<const DenseField> resampled(const std::shared_ptr<const FieldSou
     return std::make_shared<DenseField>(space, extent, std::move(values), half_width);
 }
 
+std::array<std::shared_ptr<const FieldSource>, 2>
+on_one_lattice(const std::shared_ptr<const FieldSource>& a,
+               const std::shared_ptr<const FieldSource>& b, Filter filter,
+               const Progress& progress) {
+    if (share_lattice(*a, *b)) return {a, b};
+    const bool is_a_finer = a->space().voxel_size_world() <= b->space().voxel_size_world();
+    const FieldSource& fine = is_a_finer ? *a : *b;
+    const std::shared_ptr<const FieldSource>& coarse = is_a_finer ? b : a;
+    const IndexBox extent = bounding_box(fine.extent(), extent_on(fine.space(), *coarse));
+    const auto moved = resampled(coarse, filter, fine.space(), extent, progress);
+    if (is_a_finer) return {a, moved};
+    return {moved, b};
+}
+
 Morph morph(const std::shared_ptr<const FieldSource>& a,
             const std::shared_ptr<const FieldSource>& b, double t, Filter filter,
             const Progress& progress) {
@@ -121,15 +135,7 @@ Morph morph(const std::shared_ptr<const FieldSource>& a,
         throw InputError(fmt::format("a morph's parameter lies in 0 ... 1, {} does not", t));
     if (t == 0) return {a, {}};
     if (t == 1) return {b, {}};
-    std::shared_ptr<const FieldSource> from = a;
-    std::shared_ptr<const FieldSource> to = b;
-    if (!share_lattice(*a, *b)) {
-        const bool is_a_finer = a->space().voxel_size_world() <= b->space().voxel_size_world();
-        std::shared_ptr<const FieldSource>& coarse = is_a_finer ? to : from;
-        const FieldSource& fine = is_a_finer ? *a : *b;
-        const IndexBox extent = bounding_box(fine.extent(), extent_on(fine.space(), *coarse));
-        coarse = resampled(coarse, filter, fine.space(), extent, progress);
-    }
+    const auto [from, to] = on_one_lattice(a, b, filter, progress);
     const auto blend = std::make_shared<BlendedField>(from, to, t);
     if (!blend->has_plateau()) return {blend, {}};
     return {blend, "the bands of the two fields do not meet everywhere: between them the morph is "

@@ -5,6 +5,7 @@
 #include "filtering/filter.h"
 #include "volume/dense_field.h"
 
+#include <array>
 #include <optional>
 #include <string>
 
@@ -21,18 +22,26 @@ std::shared_ptr<const DenseField> resampled(const std::shared_ptr<const FieldSou
                                             Filter filter, const GridSpace& space,
                                             const IndexBox& extent, const Progress& progress = {});
 
+/// Two fields with their samples at the same places.
+///
+/// On two lattices, the coarser field is resampled on the lattice of the finer one, by the filter,
+/// all over the extent of both. Beyond its own extent a field without a band continues its border
+/// and is no distance any more: extents should hold both surfaces.
+/// throws   as resampled
+std::array<std::shared_ptr<const FieldSource>, 2>
+on_one_lattice(const std::shared_ptr<const FieldSource>& a,
+               const std::shared_ptr<const FieldSource>& b, Filter filter,
+               const Progress& progress = {});
+
 struct Morph {
     std::shared_ptr<const FieldSource> field;
     /// What the user should know: bands that do not meet.
     std::optional<std::string> warning;
 };
 
-/// (1 - t) a + t b; at 0 and 1 it is `a` and `b` themselves.
+/// (1 - t) a + t b on one lattice; at 0 and 1 it is `a` and `b` themselves.
 ///
-/// On two lattices, the coarser field is resampled on the lattice of the finer one, by the filter,
-/// all over the extent of both. Beyond its own extent a field without a band continues its border
-/// and is no distance any more: extents should hold both surfaces.
-/// throws  InputError unless 0 <= t <= 1; as resampled
+/// throws  InputError unless 0 <= t <= 1; as on_one_lattice
 Morph morph(const std::shared_ptr<const FieldSource>& a,
             const std::shared_ptr<const FieldSource>& b, double t,
             Filter filter = Filter::Interpolating, const Progress& progress = {});

@@ -74,6 +74,7 @@ void set_operand_uniforms(const gl::Program& program, const FrameContext& frame,
 
 void run_composition(FrameContext& frame) {
     const double near_world = depths_of(frame).near_world;
+    start_counting_steps(frame);
     const CompositionWork work = compose_roots(
         frame, frame.targets.texture(FrameImage::Hit),
         [&](const FrameContext& object, int number) -> const gl::Program& {
@@ -136,6 +137,7 @@ CompositionWork compose_roots(FrameContext& frame, const gl::Texture& hit,
             roots[k].bind_to_unit(5);
             root_targets[k].bind();
             glTextureBarrier();
+            glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
             draw_on_tiles(object, program, tiles);
             ++work.searches;
         }

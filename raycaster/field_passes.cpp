@@ -17,10 +17,11 @@ namespace {
 
 gl::ProgramKey raycast_program(std::map<std::string, std::string> defines, int search,
                                Traversal traversal, bool has_gradient, bool is_operand = false,
-                               bool is_to_sky = false) {
+                               bool is_to_sky = false, bool counts_steps = false) {
     defines.emplace("IS_OPERAND", is_operand ? "1" : "0");
     defines.emplace("IS_TO_SKY", is_to_sky ? "1" : "0");
     defines.emplace("SEARCH", std::to_string(search));
+    defines.emplace("COUNTS_STEPS", counts_steps ? "1" : "0");
     defines.emplace("HAS_GRADIENT", has_gradient ? "1" : "0");
     defines.emplace("TRAVERSAL", std::to_string(static_cast<int>(traversal)));
     return {{traversal == Traversal::DrawnBlocks ? "raycast/drawn_block.vert" : "common/tiles.vert",
@@ -161,6 +162,7 @@ void draw_blocks(const FrameContext& frame, FrameImage image, const gl::Program&
     const std::vector<std::int32_t>& layers = frame.places.layers;
     for (std::size_t i = 0; i + 1 < layers.size(); ++i) {
         glTextureBarrier();
+        glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
         glDrawArrays(GL_TRIANGLES, vertices * layers[i], vertices * (layers[i + 1] - layers[i]));
     }
 }
@@ -326,7 +328,16 @@ RayCoefficients set_search_uniforms(const gl::Program& program, const FrameConte
 }
 
 gl::ProgramKey operand_program(const FrameContext& frame) {
-    return raycast_program(frame.field.pool().defines(), 0, Traversal::TileLists, false, true);
+    return raycast_program(frame.field.pool().defines(), 0, Traversal::TileLists, false, true,
+                           false, frame.live.contains(FrameImage::Steps));
+}
+
+void start_counting_steps(const FrameContext& frame) {
+    if (!frame.live.contains(FrameImage::Steps)) return;
+    const Eigen::Vector4f zero = Eigen::Vector4f::Zero();
+    frame.targets.framebuffer(FrameImage::Steps).bind();
+    glClearBufferfv(GL_COLOR, 0, zero.data());
+    frame.targets.texture(FrameImage::Steps).bind_as_image(1);
 }
 
 gl::ProgramKey sky_operand_program(std::map<std::string, std::string> pool_defines) {
@@ -336,13 +347,18 @@ gl::ProgramKey sky_operand_program(std::map<std::string, std::string> pool_defin
 void run_raycast(FrameContext& frame) {
     const Quality& quality = frame.scene.quality;
     const gl::ProgramKey key = raycast_program(frame.field.pool().defines(), quality.rate ? 1 : 0,
-                                               quality.traversal, frame.has_fused_gradient);
+                                               quality.traversal, frame.has_fused_gradient, false,
+                                               false, frame.live.contains(FrameImage::Steps));
     const gl::Program& program = frame.shaders.program(key);
+    start_counting_steps(frame);
     set_search_uniforms(program, frame);
     if (frame.has_fused_gradient) {
         set_hit_uniforms(program, frame, frame.field);
         program.set("u_world_from_stored", frame.field.pool().world_from_stored());
-        draw_field(frame, frame.field, frame.targets.hit_and_gradient, 2, program);
+        const gl::Framebuffer both(
+            {&frame.targets.texture(FrameImage::Hit), &frame.targets.texture(FrameImage::Gradient)},
+            "hit and gradient");
+        draw_field(frame, frame.field, both, 2, program);
     } else if (quality.traversal == Traversal::DrawnBlocks)
         draw_blocks(frame, FrameImage::Hit, program);
     else
@@ -354,7 +370,8 @@ bool is_of_second_order(FrameImage image) {
 }
 
 FrameImage drawn_with(const FrameContext& frame, FrameImage image) {
-    if (image == FrameImage::Gradient && frame.has_fused_gradient) return FrameImage::Hit;
+    if (image == FrameImage::Steps || (image == FrameImage::Gradient && frame.has_fused_gradient))
+        return FrameImage::Hit;
     if (!is_of_second_order(image)) return image;
     return std::ranges::find_if(second_order,
                                 [&](const SecondOrder& other) {
@@ -400,15 +417,15 @@ void run_second_order(FrameContext& frame, FrameImage image) {
 
 void cast_rays(FrameContext& frame, const ImageSet& derived) {
     const bool has_gradient = derived.contains(FrameImage::Gradient);
-    frame.live = derived;
     frame.has_fused_gradient = has_gradient && can_fuse_gradient(frame);
     for (int i = 0; i < frame_image_count; ++i) {
         const auto image = static_cast<FrameImage>(i);
         if (image == FrameImage::Hit || (image == FrameImage::Gradient && has_gradient) ||
-            (is_of_second_order(image) && derived.contains(image)))
+            (is_of_second_order(image) && derived.contains(image))) {
             frame.targets.make(image, frame.width, frame.height);
+            frame.live.insert(image); // and nothing else: steps are the frame's rays'
+        }
     }
-    if (frame.has_fused_gradient) frame.targets.join_hit_and_gradient();
     if (frame.scene.quality.traversal == Traversal::BoundingFaces) {
         frame.targets.make(FrameImage::Bounds, frame.width, frame.height);
         run_bounds(frame);
@@ -455,7 +472,9 @@ std::vector<gl::ProgramKey> field_programs() {
                 keys.push_back(second_order_program(defines, is_operand, {FrameImage::Curvature}));
             }
             if (is_streamed == 0)
-                keys.push_back(raycast_program(defines, 0, Traversal::TileLists, false, true));
+                for (const bool counts_steps : {false, true})
+                    keys.push_back(raycast_program(defines, 0, Traversal::TileLists, false, true,
+                                                   false, counts_steps));
             for (const int search : {0, 1}) {
                 for (const Traversal traversal : {Traversal::TileLists, Traversal::DrawnBlocks,
                                                   Traversal::BoundingFaces, Traversal::Walk}) {
@@ -473,6 +492,10 @@ std::vector<gl::ProgramKey> field_programs() {
     std::map<std::string, std::string> defines = BrickPool().defines();
     defines.emplace("KERNEL", std::to_string(static_cast<int>(Kernel::BSpline)));
     defines.emplace("IS_STREAMED", "0");
+    for (const int search : {0, 1})
+        for (const Traversal traversal : {Traversal::TileLists, Traversal::DrawnBlocks,
+                                          Traversal::BoundingFaces, Traversal::Walk})
+            keys.push_back(raycast_program(defines, search, traversal, false, false, false, true));
     for (unsigned set = 2; set < 1U << second_order.size(); ++set) {
         ImageSet images;
         for (std::size_t i = 0; i < second_order.size(); ++i)

@@ -32,6 +32,9 @@ RayCoefficients set_search_uniforms(const gl::Program& program, const FrameConte
 gl::ProgramKey operand_program(const FrameContext& frame);
 /// The same for rays from hits to the sky.
 gl::ProgramKey sky_operand_program(std::map<std::string, std::string> pool_defines);
+/// If it counts steps, before its first draw: from 0. Draws that add to the same pixels need
+/// glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT) between them.
+void start_counting_steps(const FrameContext& frame);
 
 /// Of shaders that go from hits to the field.
 void set_hit_uniforms(const gl::Program& program, const FrameContext& frame,

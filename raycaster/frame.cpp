@@ -66,11 +66,6 @@ void FrameTargets::make(FrameImage image, int width, int height) {
     framebuffer(image) = gl::Framebuffer({&texture(image)}, name_of(image));
 }
 
-void FrameTargets::join_hit_and_gradient() {
-    hit_and_gradient = gl::Framebuffer({&texture(FrameImage::Hit), &texture(FrameImage::Gradient)},
-                                       "hit and gradient");
-}
-
 Vec3d direction_world(const Light& light, const Camera& viewer) {
     const Vec3d direction =
         light.is_in_view_space
@@ -116,7 +111,9 @@ FrameContext of_object(const FrameContext& frame, const FrameObject& object) {
             frame.look_textures,
             frame.look_numbers,
             frame.objects,
-            frame.part};
+            frame.part,
+            0,
+            frame.live};
 }
 
 OwnFrame::OwnFrame(const FrameContext& outer, const Camera& camera, int width, int height)
@@ -202,6 +199,7 @@ gl::Format format_of(FrameImage image) {
     case FrameImage::Bounds:
     case FrameImage::Shadow:
         return gl::Format::Rg32f;
+    case FrameImage::Steps:
     case FrameImage::ViewCurvature:
     case FrameImage::FlowLineCurvature:
     case FrameImage::ShadowMap:

@@ -20,7 +20,6 @@ namespace isocast {
 struct FrameTargets {
     std::array<gl::Texture, frame_image_count> textures;
     std::array<gl::Framebuffer, frame_image_count> framebuffers;
-    gl::Framebuffer hit_and_gradient; // where one pass writes both
 
     gl::Texture& texture(FrameImage image) { return textures[static_cast<std::size_t>(image)]; }
     gl::Framebuffer& framebuffer(FrameImage image) {
@@ -28,8 +27,6 @@ struct FrameTargets {
     }
     /// Contents are undefined until drawn.
     void make(FrameImage image, int width, int height);
-    /// Of images that exist.
-    void join_hit_and_gradient();
 };
 
 /// What effects make from the scene (environments, maps, noise), kept from frame to frame.

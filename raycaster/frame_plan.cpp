@@ -10,19 +10,31 @@
 namespace isocast {
 
 std::string_view name_of(FrameImage image) {
-    constexpr std::array<std::string_view, frame_image_count> names{
-        "bounds",         "hit",
-        "gradient",       "curvature",
-        "view curvature", "flow line curvature",
-        "direction",      "shadow map",
-        "flow noise",     "outline source",
-        "solid texture",  "curvature colour",
-        "curvature map",  "uncertainty",
-        "flow",           "accessibility",
-        "occlusion",      "shadow",
-        "refraction",     "reflection",
-        "ridges",         "contours",
-        "outlines",       "beauty"};
+    constexpr std::array<std::string_view, frame_image_count> names{"bounds",
+                                                                    "hit",
+                                                                    "steps",
+                                                                    "gradient",
+                                                                    "curvature",
+                                                                    "view curvature",
+                                                                    "flow line curvature",
+                                                                    "direction",
+                                                                    "shadow map",
+                                                                    "flow noise",
+                                                                    "outline source",
+                                                                    "solid texture",
+                                                                    "curvature colour",
+                                                                    "curvature map",
+                                                                    "uncertainty",
+                                                                    "flow",
+                                                                    "accessibility",
+                                                                    "occlusion",
+                                                                    "shadow",
+                                                                    "refraction",
+                                                                    "reflection",
+                                                                    "ridges",
+                                                                    "contours",
+                                                                    "outlines",
+                                                                    "beauty"};
     return names.at(static_cast<std::size_t>(image));
 }
 

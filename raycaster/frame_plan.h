@@ -14,6 +14,7 @@ namespace isocast {
 enum class FrameImage {
     Bounds,    // where rays first and last meet the faces around active blocks: t, -t [voxels]
     Hit,       // first hit: eye-relative position [world], object
+    Steps,     // how often the ray's search looked at the field
     Gradient,  // gradient of the field at the hit [1/world * world], world axes
     Curvature, // principal curvatures k1 >= k2 [1/world], 0; 1, or 2 where the gradient vanishes,
                // 3 at umbilics
@@ -40,7 +41,7 @@ enum class FrameImage {
     Outlines,
     Beauty, // shaded colour, linear; coverage
 };
-inline constexpr int frame_image_count = 24;
+inline constexpr int frame_image_count = 25;
 
 std::string_view name_of(FrameImage image);
 

@@ -24,6 +24,7 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
              else
                  run_raycast(frame);
          }},
+        {"steps", {FrameImage::Hit}, FrameImage::Steps, [] {}}, // with the hits
         {"gradient", {FrameImage::Hit}, FrameImage::Gradient, [&frame] { run_gradient(frame); }},
         {"curvature",
          {FrameImage::Hit},

@@ -244,12 +244,10 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
         const int image_width = is_of_light ? frame.light->width : part.width;
         const int image_height = is_of_light ? frame.light->height : part.height;
         if (!is_live(pass.writes)) {
-            if (!texture.is_empty()) targets_.hit_and_gradient = {};
             targets_.framebuffer(pass.writes) = {};
             texture = {};
         } else if (texture.is_empty() || texture.width() != image_width ||
                    texture.height() != image_height) {
-            targets_.hit_and_gradient = {};
             targets_.make(pass.writes, image_width, image_height);
         }
         const bool is_kept = keeps_shadow_map && is_of_light;
@@ -264,8 +262,6 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
                                  .texture_bytes = texture.byte_count()});
         report.image_bytes += texture.byte_count();
     }
-    if (frame.has_fused_gradient && targets_.hit_and_gradient.id() == 0)
-        targets_.join_hit_and_gradient();
 
     std::map<std::string_view, gl::Timer> timers;
     for (const Pass& pass : live) {

@@ -30,6 +30,10 @@
 #if IS_STREAMED
 #include "raycast/stream.glsl"
 #endif
+#if COUNTS_STEPS
+// The looks at the field that a ray's searches have taken so far.
+layout(binding = 1, r32f) uniform image2D i_steps;
+#endif
 
 uniform mat3 u_world_from_index;
 // The field is defined between these [local index coordinates]; the rays end there.
@@ -146,6 +150,9 @@ void main() {
     Search search;
     bool is_seeking = has_block(way);
     bool is_marching = is_seeking;
+#if COUNTS_STEPS
+    float steps = 0.0;
+#endif
     while (is_marching) {
         while (is_seeking) {
             int number = number_of(way);
@@ -165,6 +172,9 @@ void main() {
 #endif
         if (search.is_on) {
             bool is_hit = look(b, accuracy, point, d, inverse, side, search);
+#if COUNTS_STEPS
+            steps += 1.0;
+#endif
             float t = search.t_in + search.s;
             if (is_hit) o_hit = vec4(world_from_index * (ray.from_eye + t * d), 1.0);
 #if IS_OPERAND
@@ -176,6 +186,10 @@ void main() {
         }
         is_marching = search.is_on || is_seeking;
     }
+#if COUNTS_STEPS
+    ivec2 counter = ivec2(gl_FragCoord.xy);
+    imageStore(i_steps, counter, imageLoad(i_steps, counter) + steps);
+#endif
 #if IS_OPERAND
     // 1e-30: even at the eye it has a sign.
     bool is_found = t_root_found < no_root;

@@ -177,7 +177,17 @@ TEST_P(ExrLayersOf, SharesAndNumbersAreZeroOnMisses) {
     EXPECT_EQ(value("AO.Y", 3, 2), 0.25F);
     EXPECT_EQ(value("shadow.Y", 3, 2), 0.75F);
     EXPECT_EQ(value("id", 3, 2), 1);
+    // Where a second object was taken away.
+    frame.at(FrameImage::Hit).rgba[4 * (2 * width + 3) + 3] = -2;
+    EXPECT_EQ(exr_image(frame, camera, {.id = true}).channels.at("id").values.at(2 * width + 3), 2);
     for (const char* name : {"AO.Y", "shadow.Y", "id"}) EXPECT_EQ(value(name, 0, 0), 0) << name;
+}
+
+TEST_P(ExrLayersOf, StepsAreThoseOfMissesToo) {
+    std::ranges::fill((frame[FrameImage::Steps] = frame.at(FrameImage::Hit)).rgba, 7);
+    exr = exr_image(frame, camera, {.steps = true});
+    EXPECT_EQ(value("debug.steps", 0, 0), 7);
+    EXPECT_EQ(value("debug.steps", 3, 2), 7);
 }
 
 TEST_P(ExrLayersOf, RowsOfAPictureHaveTheWholeOnesMatrices) {
@@ -204,6 +214,7 @@ TEST(ExrLayers, AreNamedInAList) {
     EXPECT_TRUE(exr_layers_from("P,curvature").curvature);
     EXPECT_TRUE(exr_layers_from("T,AO,shadow,id").directions);
     EXPECT_TRUE(exr_layers_from("T,AO,shadow,id").id);
+    EXPECT_TRUE(exr_layers_from("steps").steps);
     for (const char* text : {"", "P,", "Q", "P N", "p"})
         EXPECT_THROW(exr_layers_from(text), UsageError) << text;
 }

@@ -1,15 +1,14 @@
-// Files by their numbers, and what lies between two of them.
+// Files by their numbers, and between which two a time lies.
 // SPDX-License-Identifier: MPL-2.0
 #include "apps/field_series.h"
 
 #include "../volume/temporary_folder.h"
 #include "program.h"
-#include "volume/analytic_fields.h"
 #include "volume/errors.h"
 
 #include <gtest/gtest.h>
 
-#include <map>
+#include <cmath>
 
 namespace isocast::test {
 namespace {
@@ -70,26 +69,6 @@ TEST(FieldSeries, HasTwoNeighboursAtATime) {
     expect(5, 3, 3, 0);
     for (const double time : {-0.1, 5.1, std::nan("")})
         EXPECT_THROW(neighbours_of(uneven, time), InputError);
-}
-
-TEST(FieldSeries, ReadsTheNeighboursAlone) {
-    std::map<std::int64_t, std::shared_ptr<const FieldSource>> read;
-    const auto reader = [&](const TimedFile& file) {
-        AnalyticField ball = sphere_field(Vec3d::Zero(), 0.4 + 0.1 * double(file.time));
-        ball.half_extent_world = 1; // one lattice for all
-        return read[file.time] = sampled(std::move(ball), 24);
-    };
-    const Morph between = field_at(uneven, 2.5, reader);
-    ASSERT_EQ(read.size(), 2U);
-    EXPECT_TRUE(read.contains(1) && read.contains(4));
-    // Half way from 0.5 to 0.8: samples are distances.
-    const Index3 index(3, 4, 5);
-    EXPECT_NEAR(sample(*between.field, index),
-                between.field->space().to_world(index.cast<double>()).norm() - 0.65, 1e-6);
-    read.clear();
-    const Morph at_a_file = field_at(uneven, 4, reader);
-    EXPECT_EQ(at_a_file.field, read.at(4));
-    EXPECT_EQ(read.size(), 1U);
 }
 
 } // namespace

@@ -217,6 +217,7 @@ TEST_F(SceneFiles, FilesThatCannotBeUsedGetThePlace) {
     write_text(folder / "text.jpg", "not a picture");
     expect_refused("[shading]\nenvironment = \"text.jpg\"\n", "2:15", {".png, .exr"});
     expect_refused("[[object]]\nseries = \"field.vdb\"\n", "2:10", {"#"});
+    expect_refused("[[object]]\nseries = \"mesh_##.obj\"\n", "2:10", {"field files", ".vdb"});
 }
 
 TEST_F(SceneFiles, SyntaxErrorsGetThePlace) {
@@ -245,6 +246,38 @@ TEST_F(SceneFiles, CyclesAndWrongReferencesGetThePlace) {
     EXPECT_TRUE(message_of<InputError>([&] {
                     check_scene(read("[camera]\nfov = 20\n"));
                 }).ends_with("scene.toml: object: there is none"));
+}
+
+TEST_F(SceneFiles, ObjectsThatCannotBeDrawnTogetherGetThePlace) {
+    const std::string two = "[[object]]\nname = \"a\"\nfield = \"a.vdb\"\n"
+                            "[[object]]\nname = \"b\"\nmesh = \"a.obj\"\n";
+    const std::string csg =
+        two + "[[object]]\nname = \"c\"\ncsg = \"union\"\nof = [\"a\", \"b\"]\n";
+    expect_refused(csg + "[[object]]\nmorph = [\"a\", \"c\"]\n", "12:9", {"'c' is a csg"});
+    expect_refused(csg + "iso = 2\n", "11:7", {"those that it combines"});
+    expect_refused(csg + "filter = \"exact\"\n", "11:10", {"those that it combines"});
+    expect_refused(csg + "[output]\nframes = 2\n[[animate]]\nkey = \"object.2.iso\"\n", "7:1",
+                   {"object.2.iso", "those that it combines"});
+    expect_refused(two + "[quality]\nrate = 2\n", "8:8", {"certified steps"});
+    expect_refused(two + "[quality]\ntraversal = \"walk\"\n", "8:13", {"lists"});
+    std::string many;
+    for (int i = 0; i < max_object_count; ++i) many += "[[object]]\nfield = \"a.vdb\"\n";
+    EXPECT_NO_THROW(check_scene(read(many)));
+    expect_refused(many + "[[object]]\nfield = \"a.vdb\"\n", "17:1", {"9 fields", "8 at most"});
+}
+
+TEST_F(SceneFiles, TimesWithoutFilesGetThePlace) {
+    for (const char* name : {"f_02.vdb", "f_04.vdb"}) write_text(folder / name, "");
+    const std::string series = "[[object]]\nseries = \"f_##.vdb\"\n";
+    for (const char* time : {"", "time = 2\n", "time = 3.5\n", "time = 4\n"})
+        EXPECT_NO_THROW(check_scene(read(series + time))) << time;
+    expect_refused(series + "time = 4.5\n", "3:8", {"object.0.time", "time 4.5", "2 ... 4"});
+    expect_refused("[[object]]\nseries = \"g_##.vdb\"\n", "2:10", {"no such files"});
+    expect_refused("[[object]]\nfield = \"a.vdb\"\ntime = 2\n", "3:8", {"only a series"});
+    // Of a sequence the last time is told before the first is drawn.
+    const std::string frames = "[output]\nframes = 3\n[[animate]]\nkey = \"object.time\"\n";
+    EXPECT_NO_THROW(check_scene(read(series + frames + "from = 2\nto = 4\n")));
+    expect_refused(series + frames + "from = 2\nto = 5\n", "1:1", {"object.0.time", "time 5"});
 }
 
 TEST_F(SceneFiles, KeysThatExcludeEachOtherGetThePlace) {

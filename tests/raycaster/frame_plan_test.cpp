@@ -85,7 +85,7 @@ TEST(LivePasses, NameThePassThatReadsWhatNobodyWrote) {
         EXPECT_STREQ(error.what(), "pass 'gradient' reads 'hit', which no pass before it writes");
     }
     std::vector<Pass> wrong_order = declared.passes;
-    std::swap(wrong_order[1], wrong_order[2]); // raycast and gradient
+    std::swap(wrong_order[1], wrong_order[3]); // raycast and gradient
     EXPECT_THROW(live_passes(wrong_order, {FrameImage::Gradient}), std::logic_error);
     EXPECT_THROW(live_passes({}, {FrameImage::Hit}), std::logic_error);
 }

@@ -296,6 +296,20 @@ TEST_F(Occlusions, OfABowlCutIntoAFloorAreHalfOfTheSky) {
     EXPECT_EQ(report.notes.size(), 1u) << "the picture's composition, not that of each ray";
 }
 
+TEST_F(Occlusions, AndAnOverviewAreNoStepsOfThePicturesRays) {
+    size = 300; // larger than an overview
+    Scene scene{.objects = {object(sphere_at({.centre = {0.3, 0, 0}, .radius = 0.5}), 24),
+                            object(sphere_at({.centre = {-0.3, 0, 0}, .radius = 0.5}), 24)}};
+    const Image alone = draw(scene, FrameImage::Steps);
+    scene.look.effects.occlusion.rays = 2;
+    renderer.load(scene);
+    report = renderer.draw(camera, size, size,
+                           {FrameImage::Steps, FrameImage::Occlusion, FrameImage::CurvatureColour});
+    EXPECT_TRUE(pass("occlusion").ran && pass("curvature colour").ran);
+    EXPECT_EQ(renderer.read(FrameImage::Steps).rgba, alone.rgba);
+    EXPECT_GT(std::ranges::max(alone.rgba), 1);
+}
+
 TEST_F(Occlusions, AreNumbersWhereTheGradientVanishes) {
     const AnalyticField flat{"flat",
                              [](const Vec3d& p) { return Jet{.value = p.z() * p.z() * p.z()}; }};

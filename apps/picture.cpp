@@ -2,6 +2,7 @@
 #include "apps/picture.h"
 
 #include "gl/objects.h"
+#include "raycaster/effects/flow.h"
 
 #include <algorithm>
 #include <cmath>
@@ -47,18 +48,22 @@ void add(FrameReport& sum, FrameReport frame) {
         }
     }
     frame.image_bytes = std::max(frame.image_bytes, sum.image_bytes);
+    frame.scratch_bytes = std::max(frame.scratch_bytes, sum.scratch_bytes);
     for (const std::string& note : sum.notes)
         if (std::ranges::find(frame.notes, note) == frame.notes.end()) frame.notes.push_back(note);
     sum = std::move(frame);
 }
 
-/// The part with what effects look at around it.
+/// The part with what effects look at around it, in whole quads of the picture's pixels, which
+/// count from its bottom left corner.
 PicturePart grown(const PicturePart& part, int reach, int width, int height) {
-    PicturePart out;
-    out.x = std::max(0, part.x - reach);
-    out.y = std::max(0, part.y - reach);
-    out.width = std::min(width, part.x + part.width + reach) - out.x;
-    out.height = std::min(height, part.y + part.height + reach) - out.y;
+    if (reach == 0) return part;
+    const auto below = [&](int i) { return std::max(0, i - reach) / 2 * 2; };
+    const auto above = [&](int i, int size) { return std::min(size, (i + reach + 1) / 2 * 2); };
+    const int bottom = below(height - part.y - part.height);
+    const int top = above(height - part.y, height);
+    PicturePart out{.x = below(part.x), .y = height - top, .height = top - bottom};
+    out.width = above(part.x + part.width, width) - out.x;
     return out;
 }
 
@@ -103,10 +108,14 @@ std::vector<Eigen::Vector2d> sample_shifts(int samples, PixelFilter filter) {
 }
 
 int reach_pixels(const Look& look) {
+    const Effects& effects = look.effects;
     int reach = 0;
-    if (look.effects.outlines.strength > 0) reach = 2; // four bilinear fetches around the pixel
-    if (look.effects.flow.strength > 0)                // along a line, both ways
-        reach = std::max(reach, static_cast<int>(std::ceil(look.effects.flow.length_pixels)) + 2);
+    // Differences between the pixels of a quad; Sobel's stencil.
+    if (effects.reflection.strength > 0 || effects.refraction.strength > 0 ||
+        effects.outlines.strength > 0)
+        reach = 1;
+    // Along a line, and between four pixels there.
+    if (effects.flow.strength > 0) reach = std::max(reach, step_count(effects.flow) + 1);
     return reach;
 }
 
@@ -138,8 +147,9 @@ FrameReport draw_picture(Renderer& renderer, const Camera& camera, const Picture
     const std::vector<Eigen::Vector2d> shifts =
         sample_shifts(request.samples, request.pixel_filter);
     const int reach = reach_pixels(renderer.look());
-    const std::vector<PicturePart> parts = parts_of(
-        request.width, request.height, request.tile_pixels, gl::max_image_extent() - 2 * reach);
+    const std::vector<PicturePart> parts =
+        parts_of(request.width, request.height, request.tile_pixels,
+                 gl::max_image_extent() - 2 * (reach + 1));
     FrameReport report;
     FrameImages rows;
     // One frame for all where it shows the pixels' middles.

@@ -27,7 +27,7 @@ struct PictureRequest {
 ///          its distribution function, along each axis
 std::vector<Eigen::Vector2d> sample_shifts(int samples, PixelFilter filter);
 
-/// How far around a pixel effects look at others.
+/// How far around a pixel effects look at others, or at those of its quad.
 int reach_pixels(const Look& look);
 
 /// The parts in which a picture is drawn, row by row.

@@ -111,6 +111,8 @@ private:
     }
 
     void load(const SceneFile& now) {
+        // Of the frame before: a series whose colours mean another thing in each would flicker.
+        LookNumbers numbers = renderer_->look_numbers();
         loaded_ = composed(now);
         loaded_.look = look_of(now, is_opaque(now, command_.output));
         seconds_.field += step_.lap();
@@ -124,6 +126,7 @@ private:
         }
         loaded_.storage.fetch = fetch_->fetch;
         renderer_->load(loaded_, progress_);
+        renderer_->set_look_numbers(std::move(numbers));
         seconds_.load += step_.lap();
         for (std::size_t i = 0; i < loaded_.objects.size(); ++i)
             if (const auto& coarse = renderer_->coarse_bricks(static_cast<int>(i)))

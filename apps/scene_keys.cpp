@@ -107,7 +107,10 @@ SceneTable light_table() {
                     "Whether it casts shadows; of one light at most"),
              number("strength", light(&Light::shadow_strength), share, "Of its shadow"),
              number("size", light(&Light::size_degrees), Range{0, 90, true, true},
-                    "Soft shadows: the angle under which the light is seen [degrees]")},
+                    "Soft shadows: the angle under which the light is seen [degrees]"),
+             integer("shadow_map_pixels", light(&Light::shadow_map_pixels), {16, 16384},
+                     "Along the longer side of what the light sees; unless said as the picture's "
+                     "longer side, 4096 at most")},
             [](const SceneFile& file) { return file.look.lights.size(); },
             [](SceneFile& file, std::size_t n) { file.look.lights.resize(n); }};
 }

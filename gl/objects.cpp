@@ -232,6 +232,9 @@ void Texture::read_rgba(std::span<float> out) const {
     assert(out.size() ==
            static_cast<std::size_t>(width()) * static_cast<std::size_t>(height()) * 4);
     glPixelStorei(GL_PACK_ALIGNMENT, 4);
+    // llvmpipe (Mesa 22.3) waits for what the last framebuffer draws, but may hand out a texture
+    // that one before still fills.
+    glFinish();
     glGetTextureImage(id(), 0, GL_RGBA, GL_FLOAT, static_cast<GLsizei>(out.size_bytes()),
                       out.data());
 }

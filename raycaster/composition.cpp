@@ -53,25 +53,6 @@ double rounding_of(const Depths& depths) {
     return 0x1p-21 * depths.reach_world;
 }
 
-/// The next roots of an object where rays wait for them.
-void search(const FrameContext& frame, int number, const Depths& depths, const gl::Texture& root,
-            const gl::Framebuffer& target, const PlacesOnGpu& places) {
-    const FrameObject& object = frame.objects[static_cast<std::size_t>(number)];
-    const FrameContext of_this = of_object(frame, object);
-    const gl::Program& program = frame.shaders.program(operand_program(of_this));
-    const RayCoefficients ray = set_search_uniforms(program, of_this);
-    program.set("u_operand", number);
-    program.set("u_near_share", static_cast<float>(1 - depths.near_world / ray.depth_world));
-    // Behind the last root for sure; root pairs that are closer are below the guarantee.
-    program.set("u_restart",
-                Eigen::Vector2f(2 * tolerance_voxels, 2 * static_cast<float>(rounding_of(depths))));
-    root.bind_to_unit(5);
-    target.bind();
-    glTextureBarrier();
-    glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
-    draw_on_tiles(of_this, program, places);
-}
-
 PlacesOnGpu tiles_of(const FrameContext& frame, std::span<const std::uint32_t> waiting,
                      std::uint32_t objects) {
     PlacesOnGpu places;
@@ -83,7 +64,32 @@ PlacesOnGpu tiles_of(const FrameContext& frame, std::span<const std::uint32_t> w
 
 } // namespace
 
+void set_operand_uniforms(const gl::Program& program, const FrameContext& frame, int number) {
+    program.set("u_operand", number);
+    // Behind the last root for sure; root pairs that are closer are below the guarantee.
+    program.set("u_restart",
+                Eigen::Vector2f(2 * tolerance_voxels,
+                                2 * static_cast<float>(rounding_of(depths_of(frame)))));
+}
+
 void run_composition(FrameContext& frame) {
+    const double near_world = depths_of(frame).near_world;
+    start_counting_steps(frame);
+    const CompositionWork work = compose_roots(
+        frame, frame.targets.texture(FrameImage::Hit),
+        [&](const FrameContext& object, int number) -> const gl::Program& {
+            const gl::Program& program = object.shaders.program(operand_program(object));
+            const RayCoefficients ray = set_search_uniforms(program, object);
+            set_operand_uniforms(program, frame, number);
+            program.set("u_near_share", static_cast<float>(1 - near_world / ray.depth_world));
+            return program;
+        });
+    frame.notes.push_back(fmt::format("composition: {} objects, {} rounds, {} searches",
+                                      frame.objects.size(), work.rounds, work.searches));
+}
+
+CompositionWork compose_roots(FrameContext& frame, const gl::Texture& hit,
+                              const OperandProgram& operand) {
     const int count = static_cast<int>(frame.objects.size());
     const std::uint32_t all = (1U << count) - 1;
     const Depths depths = depths_of(frame);
@@ -101,14 +107,11 @@ void run_composition(FrameContext& frame) {
     const gl::Texture pending = gl::Texture::image(gl::Format::R32f, frame.part.width,
                                                    frame.part.height, "pending objects");
     frame.scratch_bytes += pending.byte_count();
-    const gl::Framebuffer hit_and_pending({&frame.targets.texture(FrameImage::Hit), &pending},
-                                          "hit and pending objects");
+    const gl::Framebuffer hit_and_pending({&hit, &pending}, "hit and pending objects");
     hit_and_pending.bind();
     glClearBufferfv(GL_COLOR, 0, zero.data());
     const Eigen::Vector4f all_pending(static_cast<float>(all), 0, 0, 0);
     glClearBufferfv(GL_COLOR, 1, all_pending.data());
-
-    start_counting_steps(frame);
 
     const InsideTable table = inside_table(tree_of(frame.scene), count);
     const auto tile_count =
@@ -122,18 +125,23 @@ void run_composition(FrameContext& frame) {
         std::fill_n(waiting.begin() + run[0] +
                         std::ptrdiff_t{tiles_along(frame.part.width)} * run[2],
                     run[1] - run[0], all);
-    int rounds = 0;
-    int searches = 0;
+    CompositionWork work;
     do {
         pending.bind_to_unit(6);
         for (int i = 0; i < count; ++i) {
             const PlacesOnGpu tiles = tiles_of(frame, waiting, 1U << i);
             if (tiles.run_count == 0) continue;
             const auto k = static_cast<std::size_t>(i);
-            search(frame, i, depths, roots[k], root_targets[k], tiles);
-            ++searches;
+            const FrameContext object = of_object(frame, frame.objects[k]);
+            const gl::Program& program = operand(object, i);
+            roots[k].bind_to_unit(5);
+            root_targets[k].bind();
+            glTextureBarrier();
+            glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
+            draw_on_tiles(object, program, tiles);
+            ++work.searches;
         }
-        ++rounds;
+        ++work.rounds;
 
         const gl::Program& program = frame.shaders.program(compose_program(count));
         for (int i = 0; i < count; ++i) {
@@ -158,8 +166,7 @@ void run_composition(FrameContext& frame) {
         gl::Fence::after_all_commands().wait();
         std::memcpy(waiting.data(), waiting_on_gpu.data(), 4 * tile_count);
     } while (std::ranges::any_of(waiting, [](std::uint32_t objects) { return objects != 0; }));
-    frame.notes.push_back(
-        fmt::format("composition: {} objects, {} rounds, {} searches", count, rounds, searches));
+    return work;
 }
 
 std::vector<gl::ProgramKey> composition_programs() {

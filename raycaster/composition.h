@@ -24,6 +24,20 @@ namespace isocast {
 ///         operands make the crease exact and keep each operand's certificate
 void run_composition(FrameContext& frame);
 
+/// The program that draws the next roots of an object (raycast.frag with IS_OPERAND), with all
+/// uniforms set and all textures bound but those of roots (unit 5) and of what waits (unit 6).
+using OperandProgram = std::function<const gl::Program&(const FrameContext& object, int number)>;
+/// Those of them that are the same for any rays.
+void set_operand_uniforms(const gl::Program& program, const FrameContext& frame, int number);
+struct CompositionWork {
+    int rounds = 0;
+    int searches = 0;
+};
+/// Into `hit` what one ray of each pixel meets first: run_composition for any rays. A ray that
+/// starts inside meets the place where it leaves.
+CompositionWork compose_roots(FrameContext& frame, const gl::Texture& hit,
+                              const OperandProgram& operand);
+
 /// Every program of it but the objects' (field_programs).
 std::vector<gl::ProgramKey> composition_programs();
 

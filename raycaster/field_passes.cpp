@@ -17,8 +17,9 @@ namespace {
 
 gl::ProgramKey raycast_program(std::map<std::string, std::string> defines, int search,
                                Traversal traversal, bool has_gradient, bool is_operand = false,
-                               bool counts_steps = false) {
+                               bool is_to_sky = false, bool counts_steps = false) {
     defines.emplace("IS_OPERAND", is_operand ? "1" : "0");
+    defines.emplace("IS_TO_SKY", is_to_sky ? "1" : "0");
     defines.emplace("SEARCH", std::to_string(search));
     defines.emplace("COUNTS_STEPS", counts_steps ? "1" : "0");
     defines.emplace("HAS_GRADIENT", has_gradient ? "1" : "0");
@@ -328,7 +329,7 @@ RayCoefficients set_search_uniforms(const gl::Program& program, const FrameConte
 
 gl::ProgramKey operand_program(const FrameContext& frame) {
     return raycast_program(frame.field.pool().defines(), 0, Traversal::TileLists, false, true,
-                           frame.live.contains(FrameImage::Steps));
+                           false, frame.live.contains(FrameImage::Steps));
 }
 
 void start_counting_steps(const FrameContext& frame) {
@@ -339,11 +340,15 @@ void start_counting_steps(const FrameContext& frame) {
     frame.targets.texture(FrameImage::Steps).bind_as_image(1);
 }
 
+gl::ProgramKey sky_operand_program(std::map<std::string, std::string> pool_defines) {
+    return raycast_program(std::move(pool_defines), 0, Traversal::Walk, false, true, true);
+}
+
 void run_raycast(FrameContext& frame) {
     const Quality& quality = frame.scene.quality;
-    const gl::ProgramKey key =
-        raycast_program(frame.field.pool().defines(), quality.rate ? 1 : 0, quality.traversal,
-                        frame.has_fused_gradient, false, frame.live.contains(FrameImage::Steps));
+    const gl::ProgramKey key = raycast_program(frame.field.pool().defines(), quality.rate ? 1 : 0,
+                                               quality.traversal, frame.has_fused_gradient, false,
+                                               false, frame.live.contains(FrameImage::Steps));
     const gl::Program& program = frame.shaders.program(key);
     start_counting_steps(frame);
     set_search_uniforms(program, frame);
@@ -358,18 +363,6 @@ void run_raycast(FrameContext& frame) {
         draw_blocks(frame, FrameImage::Hit, program);
     else
         draw_field(frame, frame.field, frame.targets.framebuffer(FrameImage::Hit), 1, program);
-}
-
-void cast_rays(FrameContext& frame) {
-    frame.targets.make(FrameImage::Hit, frame.width, frame.height);
-    if (frame.scene.quality.traversal == Traversal::BoundingFaces) {
-        frame.targets.make(FrameImage::Bounds, frame.width, frame.height);
-        run_bounds(frame);
-    }
-    if (is_composed(frame.scene))
-        run_composition(frame);
-    else
-        run_raycast(frame);
 }
 
 bool is_of_second_order(FrameImage image) {
@@ -422,6 +415,30 @@ void run_second_order(FrameContext& frame, FrameImage image) {
         });
 }
 
+void cast_rays(FrameContext& frame, const ImageSet& derived) {
+    const bool has_gradient = derived.contains(FrameImage::Gradient);
+    frame.has_fused_gradient = has_gradient && can_fuse_gradient(frame);
+    for (int i = 0; i < frame_image_count; ++i) {
+        const auto image = static_cast<FrameImage>(i);
+        if (image == FrameImage::Hit || (image == FrameImage::Gradient && has_gradient) ||
+            (is_of_second_order(image) && derived.contains(image))) {
+            frame.targets.make(image, frame.width, frame.height);
+            frame.live.insert(image); // and nothing else: steps are the frame's rays'
+        }
+    }
+    if (frame.scene.quality.traversal == Traversal::BoundingFaces) {
+        frame.targets.make(FrameImage::Bounds, frame.width, frame.height);
+        run_bounds(frame);
+    }
+    if (is_composed(frame.scene))
+        run_composition(frame);
+    else
+        run_raycast(frame);
+    if (has_gradient) run_gradient(frame);
+    for (const SecondOrder& one : second_order)
+        if (derived.contains(one.image)) run_second_order(frame, one.image);
+}
+
 std::vector<std::map<std::string, std::string>> all_pool_defines() {
     std::vector<StorageOptions> storages{{.fetch = Fetch::Rows}, {.fetch = Fetch::Samples}};
     for (const int fraction_bits : {0, 8})
@@ -457,7 +474,7 @@ std::vector<gl::ProgramKey> field_programs() {
             if (is_streamed == 0)
                 for (const bool counts_steps : {false, true})
                     keys.push_back(raycast_program(defines, 0, Traversal::TileLists, false, true,
-                                                   counts_steps));
+                                                   false, counts_steps));
             for (const int search : {0, 1}) {
                 for (const Traversal traversal : {Traversal::TileLists, Traversal::DrawnBlocks,
                                                   Traversal::BoundingFaces, Traversal::Walk}) {
@@ -478,7 +495,7 @@ std::vector<gl::ProgramKey> field_programs() {
     for (const int search : {0, 1})
         for (const Traversal traversal : {Traversal::TileLists, Traversal::DrawnBlocks,
                                           Traversal::BoundingFaces, Traversal::Walk})
-            keys.push_back(raycast_program(defines, search, traversal, false, false, true));
+            keys.push_back(raycast_program(defines, search, traversal, false, false, false, true));
     for (unsigned set = 2; set < 1U << second_order.size(); ++set) {
         ImageSet images;
         for (std::size_t i = 0; i < second_order.size(); ++i)

@@ -12,8 +12,9 @@ bool can_fuse_gradient(const FrameContext& frame);
 
 void run_bounds(FrameContext& frame);
 void run_raycast(FrameContext& frame);
-/// The Hit image of a frame that has no passes of its own; makes the images that this takes.
-void cast_rays(FrameContext& frame);
+/// The Hit image of a frame that has no passes of its own, and those of `derived` that follow from
+/// the field's derivatives; makes the images that this takes.
+void cast_rays(FrameContext& frame, const ImageSet& derived = {});
 /// The image whose pass draws `image` too, because it fetches the same: another one, or itself.
 FrameImage drawn_with(const FrameContext& frame, FrameImage image);
 // Of composed objects each one's, where it is hit.
@@ -27,8 +28,10 @@ void run_second_order(FrameContext& frame, FrameImage image);
 /// Binds and sets what raycast/raycast.frag needs of the frame's object.
 /// returns  the rays, as set
 RayCoefficients set_search_uniforms(const gl::Program& program, const FrameContext& frame);
-/// raycast/raycast.frag for an object of several.
+/// raycast/raycast.frag for an object of several, and rays from the camera.
 gl::ProgramKey operand_program(const FrameContext& frame);
+/// The same for rays from hits to the sky.
+gl::ProgramKey sky_operand_program(std::map<std::string, std::string> pool_defines);
 /// If it counts steps, before its first draw: from 0. Draws that add to the same pixels need
 /// glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT) between them.
 void start_counting_steps(const FrameContext& frame);

@@ -62,8 +62,7 @@ void draw_runs(const FrameContext& frame, const gl::Program& program, const Numb
 void FrameTargets::make(FrameImage image, int width, int height) {
     framebuffer(image) = {};
     texture(image) = {}; // so that the old one and the new are never both in memory
-    texture(image) =
-        gl::Texture::image(format_of(image), width, height, name_of(image), filter_of(image));
+    texture(image) = gl::Texture::image(format_of(image), width, height, name_of(image));
     framebuffer(image) = gl::Framebuffer({&texture(image)}, name_of(image));
 }
 
@@ -80,14 +79,6 @@ const gl::Texture& LookTextures::texture(const std::string& name,
     auto found = textures_.find(name);
     if (found == textures_.end()) found = textures_.emplace(name, make()).first;
     return found->second;
-}
-
-std::optional<double> LookTextures::number(const std::string& name,
-                                           const std::function<std::optional<double>()>& find) {
-    if (const auto found = numbers_.find(name); found != numbers_.end()) return found->second;
-    const std::optional<double> number = find();
-    if (number) numbers_.emplace(name, *number);
-    return number;
 }
 
 std::int64_t LookTextures::byte_count() const {
@@ -118,11 +109,32 @@ FrameContext of_object(const FrameContext& frame, const FrameObject& object) {
             frame.height,
             frame.targets,
             frame.look_textures,
+            frame.look_numbers,
             frame.objects,
             frame.part,
             0,
             frame.live};
 }
+
+OwnFrame::OwnFrame(const FrameContext& outer, const Camera& camera, int width, int height)
+    : objects(outer.find_objects(camera, width, height)),
+      places_of_all(is_composed(outer.scene) ? union_of_places(objects, width, height)
+                                             : PlacesOnGpu()),
+      frame{outer.shaders,
+            outer.no_vertices,
+            outer.scene,
+            outer.object,
+            outer.field,
+            outer.derivative_field,
+            outer.curvature_field,
+            is_composed(outer.scene) ? places_of_all : objects.front().places,
+            camera,
+            width,
+            height,
+            targets,
+            outer.look_textures,
+            outer.look_numbers,
+            objects} {}
 
 void draw_on_tiles(const FrameContext& frame, const gl::Program& program) {
     draw_on_tiles(frame, program, frame.places);
@@ -197,10 +209,6 @@ gl::Format format_of(FrameImage image) {
     default:
         return gl::Format::Rgba32f;
     }
-}
-
-gl::Filter filter_of(FrameImage image) {
-    return image == FrameImage::OutlineSource ? gl::Filter::Linear : gl::Filter::Nearest;
 }
 
 } // namespace isocast

@@ -9,6 +9,7 @@
 #include <array>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -28,21 +29,28 @@ struct FrameTargets {
     void make(FrameImage image, int width, int height);
 };
 
-/// What effects make from the scene (environments, maps, noise) and find in its first picture,
-/// kept from frame to frame.
+/// What effects make from the scene (environments, maps, noise), kept from frame to frame.
 class LookTextures {
 public:
     /// Made on the first call with this name.
     const gl::Texture& texture(const std::string& name, const std::function<gl::Texture()>& make);
-    /// A number found in the look's first picture that has any, so that sequences do not flicker.
-    std::optional<double> number(const std::string& name,
-                                 const std::function<std::optional<double>()>& find);
     std::int64_t byte_count() const;
 
 private:
     std::map<std::string, gl::Texture> textures_;
-    std::map<std::string, double> numbers_;
 };
+
+/// A number that an effect found in a picture, or that this one had none.
+struct FoundNumber {
+    std::optional<double> value;
+    // of the picture
+    Camera camera;
+    int width;
+    int height;
+};
+/// By names that say what they measure (raycaster/effects/hit_statistics.h). They hold from the
+/// first picture that has any on, so that sequences do not flicker.
+using LookNumbers = std::map<std::string, FoundNumber>;
 
 /// An object as a frame sees it.
 struct FrameObject {
@@ -66,6 +74,8 @@ struct LightView {
     bool operator==(const LightView&) const = default;
 };
 
+struct OwnFrame;
+
 /// What every pass of a frame sees.
 struct FrameContext {
     gl::ShaderLibrary& shaders;
@@ -82,6 +92,7 @@ struct FrameContext {
     int height;
     FrameTargets& targets;
     LookTextures& look_textures;
+    LookNumbers& look_numbers;
     std::span<const FrameObject> objects = {};          // all, by number
     PicturePart part{.width = width, .height = height}; // of the picture, that the images show
     std::int64_t scratch_bytes = 0;      // of textures that a pass made for itself alone
@@ -93,6 +104,19 @@ struct FrameContext {
     /// The objects as another camera sees them.
     std::function<std::vector<FrameObject>(const Camera& camera, int width, int height)>
         find_objects = {};
+    std::shared_ptr<OwnFrame> overview = {}; // the whole picture in small, once it is asked for
+};
+
+/// Another view of a frame's scene, with images of its own.
+struct OwnFrame {
+    /// outer, camera  must outlive it
+    OwnFrame(const FrameContext& outer, const Camera& camera, int width, int height);
+    OwnFrame(const OwnFrame&) = delete;
+
+    FrameTargets targets;
+    std::vector<FrameObject> objects;
+    PlacesOnGpu places_of_all; // where objects are composed
+    FrameContext frame;
 };
 
 /// The frame with one of its objects in the place of the only one.
@@ -136,7 +160,5 @@ Vec3d eye_local(const Camera& camera, const GridSpace& space, const Index3& loca
 
 /// The format of each frame image.
 gl::Format format_of(FrameImage image);
-/// How shaders that do not fetch single texels read it.
-gl::Filter filter_of(FrameImage image);
 
 } // namespace isocast

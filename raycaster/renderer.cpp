@@ -85,6 +85,7 @@ void Renderer::load(Scene scene, const Progress& progress) {
     objects_ = std::vector<LoadedObject>(objects.size());
     scene_ = std::move(scene);
     look_textures_ = {};
+    look_numbers_ = {};
     StorageOptions storage = scene_.storage;
     storage.budget_bytes /= std::ssize(objects);
     for (std::size_t i = 0; i < objects.size(); ++i)
@@ -108,8 +109,14 @@ void Renderer::set_iso(double iso_world, int object) {
     check_residence();
 }
 
+void Renderer::set_look_numbers(LookNumbers numbers) {
+    look_numbers_ = std::move(numbers);
+    std::erase_if(look_numbers_, [](const auto& found) { return !found.second.value; });
+}
+
 void Renderer::check_residence() {
     shadow_map_.reset();
+    set_look_numbers(std::move(look_numbers_)); // what the surface did not have it may have now
     // Refining a sampled hit reads the block before as well, which may be gone by then; and only a
     // place in a list is kept from pass to pass.
     const bool can_stream = !scene_.quality.rate &&
@@ -194,6 +201,7 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
                        height,
                        targets_,
                        look_textures_,
+                       look_numbers_,
                        objects,
                        part};
     const std::vector<Pass> declared = declare_passes(frame);

@@ -50,10 +50,16 @@ public:
     /// that keeps the digits that sums of f would lose. throws  as load
     void set_iso(double iso_world, int object = 0);
 
-    /// Changes how hits are shaded; the field stays.
+    /// Changes how hits are shaded; the field stays, and so do the numbers that were found.
     /// throws  InputError if the look asks for what there is not
     void set_look(Look look);
     const Look& look() const { return scene_.look; }
+
+    /// What effects found in the first picture since load, where the look says no number: in the
+    /// whole picture at overview_pixels at most, whatever part and size are drawn.
+    const LookNumbers& look_numbers() const { return look_numbers_; }
+    /// Of another load, to be used instead of this one's.
+    void set_look_numbers(LookNumbers numbers);
 
     /// Corners of the box of the isosurface [world]; of the field's extent where there is none.
     /// Found when it is first asked for. Of several objects the least box along the world's axes
@@ -99,6 +105,7 @@ private:
     std::optional<LightView> shadow_map_; // where it was drawn from, if it is that of these objects
     FrameTargets targets_;
     LookTextures look_textures_;
+    LookNumbers look_numbers_;
 };
 
 } // namespace isocast

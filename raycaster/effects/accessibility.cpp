@@ -18,13 +18,11 @@ gl::ProgramKey accessibility_program() {
 /// Nothing where none of these is seen.
 std::optional<double> radius_of(FrameContext& frame) {
     const double flat = flat_curvature(frame);
-    const auto found = frame.look_textures.number("accessibility", [&] {
-        return percentile(frame, FrameImage::Curvature, 0.95,
-                          [&](const float* k) -> std::optional<double> {
-                              if (k[3] == no_gradient || k[1] >= -flat) return {};
-                              return -k[1];
-                          });
-    });
+    const auto found = percentile(frame, "accessibility", FrameImage::Curvature, 0.95,
+                                  [&](const float* k) -> std::optional<double> {
+                                      if (k[3] == no_gradient || k[1] >= -flat) return {};
+                                      return -k[1];
+                                  });
     if (!found) return std::nullopt;
     frame.notes.push_back(
         fmt::format("accessibility: black where a ball of {:.4g} does not fit", 1 / *found));

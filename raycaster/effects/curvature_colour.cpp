@@ -38,18 +38,19 @@ Range range_of(FrameContext& frame, const CurvatureColour& colour, ColourMap map
     if (colour.range) return *colour.range;
     if (colour.measure == CurvatureMeasure::ShapeIndex) return {-1, 1};
     const bool is_symmetric = map == ColourMap::CoolWarm;
-    const auto kept_percentile = [&](const std::string& name, double share) {
-        return frame.look_textures.number("curvature colour " + name, [&] {
-            return percentile(
-                frame, FrameImage::Curvature, share, [&](const float* k) -> std::optional<double> {
-                    if (k[3] == no_gradient) return {};
-                    const double value = curvature_measure(colour.measure, k[0], k[1]);
-                    return is_symmetric ? std::abs(value) : value;
-                });
-        });
+    const auto percentile_of_measure = [&](double share) {
+        return percentile(frame,
+                          fmt::format("curvature colour {} {} {}", name_of(colour.measure),
+                                      is_symmetric ? "sizes" : "values", share),
+                          FrameImage::Curvature, share,
+                          [&](const float* k) -> std::optional<double> {
+                              if (k[3] == no_gradient) return {};
+                              const double value = curvature_measure(colour.measure, k[0], k[1]);
+                              return is_symmetric ? std::abs(value) : value;
+                          });
     };
-    const auto low_found = kept_percentile("low", 0.02);
-    const auto high_found = kept_percentile("high", 0.98);
+    const auto low_found = percentile_of_measure(0.02);
+    const auto high_found = percentile_of_measure(0.98);
     if (!low_found || !high_found) return {-1, 1}; // nothing is drawn
     const double flat = flat_curvature(frame);
     const double least = colour.measure == CurvatureMeasure::Gauss ? flat * flat : flat;

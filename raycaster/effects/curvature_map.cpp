@@ -58,13 +58,11 @@ void run_curvature_map(FrameContext& frame) {
     const CurvatureMap& map = frame.scene.look.effects.curvature_map;
     double range = map.range.value_or(1);
     if (!map.range) {
-        const auto found = frame.look_textures.number("curvature map", [&] {
-            return percentile(frame, FrameImage::Curvature, 0.98,
-                              [](const float* k) -> std::optional<double> {
-                                  if (k[3] == no_gradient) return {};
-                                  return std::max(std::abs(k[0]), std::abs(k[1]));
-                              });
-        });
+        const auto found = percentile(frame, "curvature map", FrameImage::Curvature, 0.98,
+                                      [](const float* k) -> std::optional<double> {
+                                          if (k[3] == no_gradient) return {};
+                                          return std::max(std::abs(k[0]), std::abs(k[1]));
+                                      });
         if (found) range = std::max(*found, flat_curvature(frame));
         frame.notes.push_back(
             fmt::format("curvature map: curvatures from {:.4g} to {:.4g}", -range, range));

@@ -70,7 +70,7 @@ void run_flow(FrameContext& frame) {
     screen.row(2) *= is_perspective ? -1 : 0;
     program.set("u_screen", Eigen::Matrix3f(screen.cast<float>()));
     program.set("u_depth", is_perspective ? 0.0F : 1.0F);
-    program.set("u_steps", std::max(1, static_cast<int>(std::lround(flow.length_pixels / 2))));
+    program.set("u_steps", step_count(flow));
     // Neighbours along a line are alike as far as a grain reaches: a sum's variance is that of the
     // noise times its weights' squares times the grain in pixels. 0.3: nine factors of ten lie
     // between 0.5 and 1.5.
@@ -102,6 +102,10 @@ std::vector<gl::ProgramKey> flow_programs() {
     for (const int direction : {1, 2})
         for (const bool travels : {false, true}) keys.push_back(flow_program(direction, travels));
     return keys;
+}
+
+int step_count(const Flow& flow) {
+    return std::max(1, static_cast<int>(std::lround(flow.length_pixels / 2)));
 }
 
 void check(const Flow& flow) {

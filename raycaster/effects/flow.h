@@ -10,6 +10,9 @@ namespace isocast {
 std::vector<Pass> flow_passes(FrameContext& frame);
 std::vector<gl::ProgramKey> flow_programs();
 
+/// Of a line, to either side, of one pixel each.
+int step_count(const Flow& flow);
+
 /// throws  InputError, naming what cannot be drawn
 void check(const Flow& flow);
 

@@ -15,11 +15,10 @@ void run_ridges(FrameContext& frame) {
     if (!threshold) {
         // Against the strongest curvatures of all, not only those of ridges: a surface without any,
         // like a sphere, shows none.
-        threshold = frame.look_textures.number("ridge threshold", [&] {
-            return percentile(frame, FrameImage::Curvature, 0.95, [](const float* k) {
+        threshold =
+            percentile(frame, "ridge threshold", FrameImage::Curvature, 0.95, [](const float* k) {
                 return 0.5 * std::max(std::abs(k[0]), std::abs(k[1]));
             });
-        });
         // On a plane that is noise: a radian within 1000 voxels at least.
         const double least = 1 / (1000 * frame.object.field->space().voxel_size_world());
         if (threshold) threshold = std::max(*threshold, least);

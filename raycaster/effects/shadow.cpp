@@ -62,35 +62,16 @@ LightView light_view(const Light& light, const Camera& viewer, int pixels,
 
 void run_shadow_map(FrameContext& frame) {
     const LightView& light = *frame.light;
-    FrameTargets targets; // gone with this pass
-    const std::vector<FrameObject> objects =
-        frame.find_objects(light.camera, light.width, light.height);
-    const PlacesOnGpu places_of_all = is_composed(frame.scene)
-                                          ? union_of_places(objects, light.width, light.height)
-                                          : PlacesOnGpu();
-    FrameContext of_light{frame.shaders,
-                          frame.no_vertices,
-                          frame.scene,
-                          frame.object,
-                          frame.field,
-                          frame.derivative_field,
-                          frame.curvature_field,
-                          is_composed(frame.scene) ? places_of_all : objects.front().places,
-                          light.camera,
-                          light.width,
-                          light.height,
-                          targets,
-                          frame.look_textures,
-                          objects};
-    cast_rays(of_light);
+    OwnFrame of_light(frame, light.camera, light.width, light.height); // gone with this pass
+    cast_rays(of_light.frame);
     const gl::Program& program = frame.shaders.program(depth_program());
-    targets.texture(FrameImage::Hit).bind_to_unit(0);
+    of_light.targets.texture(FrameImage::Hit).bind_to_unit(0);
     program.set("u_depth",
                 Eigen::Vector3f(light_from_world(light).row(2).transpose().cast<float>()));
     frame.targets.framebuffer(FrameImage::ShadowMap).bind();
     const Eigen::Vector4f nowhere = Eigen::Vector4f::Constant(1e30F); // as depth.frag's
     glClearBufferfv(GL_COLOR, 0, nowhere.data());
-    draw_on_tiles(of_light, program);
+    draw_on_tiles(of_light.frame, program);
 }
 
 void run_shadow(FrameContext& frame) {

@@ -10,23 +10,18 @@ namespace isocast {
 
 void run_uncertainty(FrameContext& frame) {
     const Uncertainty& uncertainty = frame.scene.look.effects.uncertainty;
-    LookTextures& kept = frame.look_textures;
     std::optional<double> range = uncertainty.range;
     if (!range) {
-        range = kept.number("uncertainty range", [&] {
-            return percentile(frame, FrameImage::FlowLineCurvature, 0.98,
-                              [](const float* curvature) { return curvature[0]; });
-        });
+        range = percentile(frame, "uncertainty range", FrameImage::FlowLineCurvature, 0.98,
+                           [](const float* curvature) { return curvature[0]; });
         // In a field of distances that is noise: a radian within 32 voxels at least.
         const double least = 1 / (32 * frame.object.field->space().voxel_size_world());
         if (range) range = std::max(*range, least);
     }
     std::optional<double> gradient = uncertainty.typical_gradient;
     if (!gradient)
-        gradient = kept.number("typical gradient", [&] {
-            return percentile(frame, FrameImage::Gradient, 0.5,
+        gradient = percentile(frame, "typical gradient", FrameImage::Gradient, 0.5,
                               [](const float* g) { return Vec3d(g[0], g[1], g[2]).norm(); });
-        });
     if (range && gradient)
         frame.notes.push_back(fmt::format(
             "uncertainty: flow lines that turn by {:.3g} per unit, gradients far below {:.3g}",

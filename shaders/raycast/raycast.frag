@@ -40,12 +40,19 @@ uniform mat3 u_world_from_index;
 uniform vec3 u_extent_lo;
 uniform vec3 u_extent_hi;
 
+#if IS_TO_SKY
+// Operands: the rays are those of ambient occlusion, not the camera's.
+#include "shading/occlusion/sky.glsl"
+uniform int u_ray; // of each pixel
+#endif
 #if IS_OPERAND
 // An object of several, searched from its last root on (compose.frag).
 layout(binding = 5) uniform sampler2D t_root;    // that root; 0 before the first search
 layout(binding = 6) uniform sampler2D t_pending; // whether to search, by bits
 uniform int u_operand;
+#if !IS_TO_SKY
 uniform float u_near_share; // of the way from `point` back to the ray's start, where distances count from
+#endif
 uniform vec2 u_restart;     // how far behind a root the search goes on [voxels] [world]
 const float no_root = 1e30;
 #endif
@@ -63,7 +70,14 @@ uniform float u_world_from_stored;
 
 void main() {
     o_hit = vec4(0.0);
+#if IS_TO_SKY
+    Sky sky = sky_of_pixel();
+    vec3 way_of_ray = way_to_sky(sky, u_ray);
+    float voxels = length(way_of_ray); // of a world unit
+    Ray ray = Ray(sky.start, way_of_ray / voxels, vec3(0.0), 0.0);
+#else
     Ray ray = pixel_ray();
+#endif
     vec3 d = ray.direction;
     vec3 inverse = inverse_of(d);
     // Along an axis on which the ray does not move, the middle of its cell stands for its place: in a
@@ -72,12 +86,19 @@ void main() {
     vec2 range = clip_to_box(mix(ray.point, floor(ray.point) + 0.5, is_still), inverse, u_extent_lo,
                              u_extent_hi);
     range.x = max(range.x, ray.t_start);
+#if IS_TO_SKY
+    range.y = sky.is_there ? min(range.y, u_distance_world * voxels) : range.x;
+#endif
 #if IS_OPERAND
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     bool is_pending = (int(texelFetch(t_pending, pixel, 0).r) >> u_operand & 1) != 0;
     float last = texelFetch(t_root, pixel, 0).w;
     float world_from_t = length(u_world_from_index * d);
+#if IS_TO_SKY
+    float t_near = 0.0;
+#else
     float t_near = u_near_share * ray.t_start;
+#endif
     if (last != 0.0)
         range.x = max(range.x, (abs(last) + u_restart.y) / world_from_t + t_near + u_restart.x);
     range.y = is_pending ? range.y : range.x;

@@ -56,6 +56,7 @@ std::string example_of(const SceneTable& table, const SceneKey& key) {
     if (key.type == "[lo, hi]") return "[-1, 2]";
     if (key.type == "[x, y, z]" || key.type == "colour") return "[0.25, 0.5, 1]";
     if (key.type == "true | false") return "true";
+    if (key.name == "shadow_map_pixels") return "16";
     if (key.type.starts_with("number")) return "1";
     if (key.type.starts_with("integer")) return "1";
     return key.type.substr(0, key.type.find(' ')); // the first of the names
@@ -100,6 +101,7 @@ direction = [0, 1, 0]
 space = "world"
 shadow = "soft"
 size = 5
+shadow_map_pixels = 300
 [[light]]
 colour = "#ff0080"
 [[object]]
@@ -136,6 +138,8 @@ frames = "3..7"
     EXPECT_FALSE(scene.look.lights[0].is_in_view_space);
     EXPECT_EQ(scene.look.lights[0].shadow, Shadow::Soft);
     EXPECT_EQ(scene.look.lights[0].size_degrees, 5);
+    EXPECT_EQ(scene.look.lights[0].shadow_map_pixels, 300);
+    EXPECT_FALSE(scene.look.lights[1].shadow_map_pixels);
     EXPECT_TRUE(scene.look.lights[1].is_in_view_space);
     EXPECT_EQ(scene.look.lights[1].colour.x(), 1);
     EXPECT_NEAR(scene.look.lights[1].colour.z(), 0.2158605, 1e-7) << "sRGB 128/255, IEC 61966-2-1";

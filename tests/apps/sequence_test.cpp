@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 namespace isocast::test {
 namespace {
@@ -185,6 +186,34 @@ TEST_F(SequenceFiles, OfASeriesReadTheFileOfEachTime) {
                {"--camera", "eye=0,1,5;target=0,0,0"});
         EXPECT_EQ(bytes(fmt::format("a{}.png", i)), bytes("b.png")) << i;
     }
+}
+
+TEST_F(SequenceFiles, KeepTheNumbersOfTheFirstFrame) {
+    /// Which range of curvatures the last frame has.
+    const auto note = [&](const std::string& direction, const std::string& more) {
+        const std::string path = scene("[[object]]\nfield = \"field:gyroid@16\"\n"
+                                       "[effects.curvature_colour]\n"
+                                       "[camera]\ndirection = " +
+                                       direction + "\n" + more);
+        const nlohmann::json json = nlohmann::json::parse(
+            checked_output(isocast({"render", path, "-o", folder / "a%d.png", "--size", "300x200",
+                                    "--backend", "osmesa", "--json"})));
+        for (const std::string one : json["notes"])
+            if (one.starts_with("curvature colour")) return one;
+        return std::string("none");
+    };
+    const std::string first = note("[0, 0.3, 1]", "[output]\nframes = 1\n");
+    EXPECT_NE(first, "none");
+    EXPECT_NE(note("[1, 0.3, 0.2]", "[output]\nframes = 1\n"), first) << "from elsewhere";
+    const std::string turning = "turntable = 100\n[output]\nframes = 2\n";
+    EXPECT_EQ(note("[0, 0.3, 1]", turning), first);
+    // The look; the iso value; what is loaded.
+    for (const char* key : {"shading.specular", "object.iso", "quality.guarantee"})
+        EXPECT_EQ(note("[0, 0.3, 1]",
+                       turning + fmt::format("[[animate]]\nkey = \"{}\"\nfrom = {}\nto = 0.2\n",
+                                             key, key == std::string("object.iso") ? 0 : 0.01)),
+                  first)
+            << key;
 }
 
 TEST_F(SequenceFiles, NeedAPlaceForTheNumber) {

@@ -81,9 +81,9 @@ TEST(Reach, IsThatOfTheWidestEffect) {
     Look look;
     EXPECT_EQ(reach_pixels(look), 0);
     look.effects.outlines.strength = 0.1;
-    EXPECT_EQ(reach_pixels(look), 2);
+    EXPECT_EQ(reach_pixels(look), 1);
     look.effects.flow = {.strength = 1, .length_pixels = 19.5};
-    EXPECT_EQ(reach_pixels(look), 22);
+    EXPECT_EQ(reach_pixels(look), 11) << "ten steps, and a pixel beside the last";
 }
 
 struct Pictures : testing::Test {
@@ -133,6 +133,135 @@ TEST_F(Pictures, InTilesEqualTheWholeBitByBit) {
         // Textures are as large as a tile.
         EXPECT_EQ(pass("raycast").texture_bytes, 23 * 23 * 16);
     }
+}
+
+struct LookOfTiles {
+    const char* name;
+    void (*set)(Look&);
+};
+const std::vector<LookOfTiles> looks_of_tiles{
+    {"Plain", [](Look&) {}},
+    {"Gooch", [](Look& l) { l.model = ShadingModel::Gooch; }},
+    {"EnvironmentAsBackground", [](Look& l) { l.shows_environment = true; }},
+    {"Checker",
+     [](Look& l) {
+         l.effects.solid_texture = {.strength = 1, .kind = SolidTexture::Kind::Checker};
+     }},
+    {"Marble", [](Look& l) { l.effects.solid_texture.strength = 1; }},
+    {"Wood",
+     [](Look& l) { l.effects.solid_texture = {.strength = 1, .kind = SolidTexture::Kind::Wood}; }},
+    {"VolumeTexture",
+     [](Look& l) {
+         l.effects.solid_texture = {.strength = 1,
+                                    .kind = SolidTexture::Kind::Volume,
+                                    .volume = sampled(builtin_field("torus"), 8)};
+     }},
+    {"CurvatureColour", [](Look& l) { l.effects.curvature_colour.strength = 1; }},
+    {"Curvedness",
+     [](Look& l) {
+         l.effects.curvature_colour = {.strength = 1, .measure = CurvatureMeasure::Curvedness};
+     }},
+    {"CurvatureMap", [](Look& l) { l.effects.curvature_map.strength = 1; }},
+    {"Uncertainty", [](Look& l) { l.effects.uncertainty.strength = 1; }},
+    {"Flow", [](Look& l) { l.effects.flow.strength = 1; }},
+    {"FlowThatTravels",
+     [](Look& l) { l.effects.flow = {.strength = 1, .direction = 2, .phase = 0.3}; }},
+    {"Accessibility", [](Look& l) { l.effects.accessibility.strength = 1; }},
+    {"Occlusion", [](Look& l) { l.effects.occlusion = {.strength = 1, .rays = 4}; }},
+    {"HardShadow", [](Look& l) { l.lights[0].shadow = Shadow::Hard; }},
+    {"SoftShadow", [](Look& l) { l.lights[0].shadow = Shadow::Soft; }},
+    {"Refraction", [](Look& l) { l.effects.refraction.strength = 1; }},
+    {"Reflection",
+     [](Look& l) {
+         l.effects.reflection = {.strength = 1, .has_fresnel = true};
+         l.environment.kind = isocast::Environment::Kind::Stripes;
+     }},
+    {"Ridges", [](Look& l) { l.effects.ridges.strength = 1; }},
+    {"Contours", [](Look& l) { l.effects.contours.strength = 1; }},
+    {"Outlines", [](Look& l) { l.effects.outlines.strength = 1; }},
+    {"AllLines",
+     [](Look& l) {
+         l.effects.ridges.strength = l.effects.contours.strength = l.effects.outlines.strength = 1;
+         l.effects.flow.strength = 1;
+     }},
+};
+
+struct PicturesOf : Pictures, testing::WithParamInterface<LookOfTiles> {};
+
+/// What takes numbers from the picture takes them from the same one, and what reads neighbours
+/// finds them.
+TEST_P(PicturesOf, EachEffectInTilesEqualTheWholeBitByBit) {
+    Scene scene{.field = sampled(builtin_field("gyroid"), 32)};
+    GetParam().set(scene.look);
+    // One that is its own overview, of many samples; and one that is larger than its overview.
+    for (const PictureRequest& request :
+         {PictureRequest{.width = 61, .height = 45, .samples = 2, .tile_pixels = 23},
+          PictureRequest{.width = 271, .height = 61, .tile_pixels = 47}}) {
+        PictureRequest at_once = request;
+        at_once.tile_pixels = 0;
+        renderer.load(scene);
+        const Image whole = draw(at_once).at(FrameImage::Beauty);
+        const std::vector<std::string> notes = report.notes;
+        renderer.load(scene);
+        EXPECT_EQ(draw(request).at(FrameImage::Beauty).rgba, whole.rgba);
+        for (const std::string& note : notes)
+            EXPECT_EQ(std::ranges::count(report.notes, note), 1) << note;
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Looks, PicturesOf, testing::ValuesIn(looks_of_tiles),
+                         [](const auto& test) { return test.param.name; });
+
+TEST_F(Pictures, OfComposedObjectsInTilesEqualTheWholeBitByBit) {
+    Scene scene{
+        .objects = {{.field = sampled(builtin_field("gyroid"), 24)},
+                    {.field = sampled(builtin_field("sphere"), 32)}},
+        .tree = {{CsgOperation::Object, 1}, {CsgOperation::Object, 0}, {CsgOperation::Difference}}};
+    scene.look.effects.occlusion = {.strength = 1, .rays = 4};
+    scene.look.effects.curvature_colour.strength = 1;
+    PictureRequest request{.width = 271, .height = 61};
+    renderer.load(scene);
+    const Image whole = draw(request).at(FrameImage::Beauty);
+    renderer.load(scene);
+    request.tile_pixels = 47;
+    EXPECT_EQ(draw(request).at(FrameImage::Beauty).rgba, whole.rgba);
+}
+
+TEST_F(Pictures, LookForNumbersOnceAndOnlyForThoseThatAreNotGiven) {
+    Scene scene{.field = sampled(builtin_field("gyroid"), 32)};
+    scene.look.effects.ridges = {.strength = 1, .threshold = 2};
+    scene.look.effects.curvature_colour = {.strength = 1,
+                                           .range = std::array<double, 2>{-1.0, 1.0}};
+    const PictureRequest request{.width = 300, .height = 60, .tile_pixels = 100};
+    for (int turn = 0; turn < 2; ++turn) {
+        renderer.load(scene);
+        draw(request);
+        EXPECT_TRUE(report.notes.empty()) << "no picture was drawn for them";
+        EXPECT_EQ(report.scratch_bytes, 0);
+        EXPECT_TRUE(renderer.look_numbers().empty());
+        scene.look = {};
+    }
+    // Hits, gradients and curvatures of 256 x 51 pixels.
+    scene.look.effects.curvature_colour.strength = 1;
+    renderer.load(scene);
+    draw(request);
+    EXPECT_EQ(std::ranges::count(report.notes, "numbers that were not given: from 256 x 51 pixels"),
+              1);
+    EXPECT_EQ(report.scratch_bytes, 256 * 51 * 3 * 16);
+    draw(request);
+    EXPECT_EQ(report.scratch_bytes, 0) << "they are known";
+    // A ball has no hollows, whichever part is looked at; it is looked for once.
+    scene = {.field = sampled(builtin_field("sphere"), 32)};
+    scene.look.effects.accessibility.strength = 1;
+    renderer.load(scene);
+    draw(request);
+    EXPECT_EQ(report.notes.size(), 1u);
+    EXPECT_FALSE(renderer.look_numbers().at("accessibility").value);
+    draw(request);
+    EXPECT_EQ(report.scratch_bytes, 0) << "it is known that there are none";
+    camera.eye_world.z() = -3;
+    draw(request);
+    EXPECT_GT(report.scratch_bytes, 0) << "from elsewhere there may be some";
 }
 
 TEST_F(Pictures, OfManySamplesHaveOtherImagesFromTheMiddlesOfPixels) {

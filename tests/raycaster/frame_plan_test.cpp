@@ -20,8 +20,9 @@ struct Declared {
     Camera camera;
     FrameTargets targets;
     LookTextures look_textures;
-    FrameContext frame{shaders, no_vertices, scene, object, field,   field,        field,
-                       places,  camera,      1,     1,      targets, look_textures};
+    LookNumbers look_numbers;
+    FrameContext frame{shaders, no_vertices, scene, object, field,   field,         field,
+                       places,  camera,      1,     1,      targets, look_textures, look_numbers};
     std::vector<Pass> passes = declare_passes(frame);
 };
 
@@ -84,7 +85,7 @@ TEST(LivePasses, NameThePassThatReadsWhatNobodyWrote) {
         EXPECT_STREQ(error.what(), "pass 'gradient' reads 'hit', which no pass before it writes");
     }
     std::vector<Pass> wrong_order = declared.passes;
-    std::swap(wrong_order[1], wrong_order[2]); // raycast and gradient
+    std::swap(wrong_order[1], wrong_order[3]); // raycast and gradient
     EXPECT_THROW(live_passes(wrong_order, {FrameImage::Gradient}), std::logic_error);
     EXPECT_THROW(live_passes({}, {FrameImage::Hit}), std::logic_error);
 }

@@ -205,8 +205,23 @@ TEST_F(CurvatureEffects, TheRangeIsOfTheFirstPictureAndStays) {
     EXPECT_EQ(low, -high);
     camera.eye_world = {0, 4, 0.5}; // sees the outside alone
     EXPECT_EQ(note(), first);
+    scene.look.lights[0].direction = {1, 1, 1};
     renderer.set_look(scene.look);
+    EXPECT_EQ(note(), first) << "as where a light moves in a sequence";
+    scene.look.effects.curvature_colour.measure = CurvatureMeasure::K1;
+    renderer.set_look(scene.look);
+    EXPECT_EQ(note().find("first principal curvature"), std::string("curvature colour: ").size())
+        << "another number";
+    scene.look.effects.curvature_colour.measure = CurvatureMeasure::K2;
+    renderer.set_look(scene.look);
+    renderer.set_iso(0.01);
+    EXPECT_EQ(note(), first);
+    const LookNumbers numbers = renderer.look_numbers();
+    renderer.load(scene);
     EXPECT_NE(note(), first);
+    renderer.load(scene);
+    renderer.set_look_numbers(numbers);
+    EXPECT_EQ(note(), first);
 }
 
 TEST_F(CurvatureEffects, AMapShowsBothCurvaturesWhereTheyLie) {

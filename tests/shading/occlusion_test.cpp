@@ -183,6 +183,133 @@ TEST_F(Occlusions, CountTheRaysThatMeetTheBall) {
     EXPECT_LT(different, 0.01 * count);
 }
 
+FieldObject object(AnalyticField field, int n = 48) {
+    return {.field = sampled(field, n)};
+}
+AnalyticField sphere_at(const Ball& ball) {
+    return {"ball",
+            [=](const Vec3d& p) { return Jet{.value = (p - ball.centre).norm() - ball.radius}; }};
+}
+
+/// Ray by ray as above; here both surfaces and their normals are exact.
+TEST_F(Occlusions, OfAUnionOfTwoBallsCountTheRaysThatMeetTheOther) {
+    const std::array balls{Ball{.centre = {-0.35, 0, 0.1}, .radius = 0.45},
+                           Ball{.centre = {0.4, 0.1, -0.1}, .radius = 0.35}};
+    constexpr int rays = 24;
+    size = 64;
+    Scene scene{.objects = {{.field = on_grid(sphere_at(balls[0]), skew_space(), {80, 64, 96})},
+                            object(sphere_at(balls[1]))}};
+    scene.look.effects.occlusion = {.distance_world = 4, .rays = rays};
+    look_at(scene);
+    std::array<int, 2> counts{};
+    int different = 0;
+    int darkened = 0;
+    for (const HitPixel& at : hit_pixels(hits, camera)) {
+        const int own = std::lround(hits.pixel(at.x, at.y)[3]) - 1;
+        const Ball& other = balls[static_cast<std::size_t>(1 - own)];
+        const Vec3d n = (at.p - balls[static_cast<std::size_t>(own)].centre).normalized();
+        // Duff's tangents, as sky.glsl has them.
+        const double s = n.z() < 0 ? -1 : 1;
+        const double a = -1 / (s + n.z());
+        const double b = n.x() * n.y() * a;
+        const Vec3d u(1 + s * n.x() * n.x() * a, s * b, -s * n.x());
+        const Vec3d v(b, s + n.y() * n.y() * a, -n.y());
+        int blocked = 0;
+        for (int i = 0; i < rays; ++i) {
+            const Eigen::Vector2d q =
+                disc_point(i, rays, turns_of_pixel(at.x + 0.5, size - at.y - 0.5));
+            const Vec3d d = q.x() * u + q.y() * v + std::sqrt(1 - q.squaredNorm()) * n;
+            blocked += (other.centre - at.p).dot(d) > 0 &&
+                       (other.centre - at.p).cross(d).norm() < other.radius;
+        }
+        ++counts[static_cast<std::size_t>(own)];
+        darkened += blocked > 0;
+        different += std::lround((1 - share(at)) * rays) != blocked;
+    }
+    EXPECT_GT(counts[0], 200);
+    EXPECT_GT(counts[1], 100);
+    EXPECT_GT(darkened, 150);
+    // As above.
+    EXPECT_LT(different, 0.01 * (counts[0] + counts[1]));
+}
+
+TEST_F(Occlusions, OfAnObjectWithItselfAreItsOwn) {
+    size = 64;
+    const FieldObject gyroid{.field = sampled(builtin_field("gyroid"), 32)};
+    Scene plain{.field = gyroid.field};
+    plain.look.effects.occlusion.rays = 8;
+    look_at(plain);
+    const Image alone = seen;
+    for (const CsgOperation operation : {CsgOperation::Union, CsgOperation::Intersection}) {
+        Scene twice{.look = plain.look,
+                    .objects = {gyroid, gyroid},
+                    .tree = {{CsgOperation::Object, 0}, {CsgOperation::Object, 1}, {operation}}};
+        look_at(twice);
+        int count = 0;
+        int different = 0;
+        int dark = 0;
+        for (const HitPixel& at : hit_pixels(hits, camera)) {
+            ++count;
+            dark += share(at) < 1;
+            different += std::abs(share(at) - alone.pixel(at.x, at.y)[0]) > 1e-6;
+        }
+        EXPECT_GT(count, 500);
+        EXPECT_GT(dark, 200);
+        // Rays that graze, or that end at a root within rounding.
+        EXPECT_LT(different, 0.01 * count);
+    }
+}
+
+/// Of a ball's inside every point sees any other part of it as the part's share of the area: from a
+/// bowl that is half a ball, half of the sky is seen, wherever one stands.
+TEST_F(Occlusions, OfABowlCutIntoAFloorAreHalfOfTheSky) {
+    const Ball bowl{.centre = {0.1, 0, 0}, .radius = 0.6};
+    camera = {.eye_world = {0.3, -1, 3}, .target_world = {0, 0, 0}, .up = Vec3d::UnitZ()};
+    size = 64;
+    constexpr int rays = 64;
+    Scene scene{
+        .objects = {object(plane_through(Vec3d::Zero(), Vec3d::UnitZ())),
+                    object(sphere_at(bowl), 64)},
+        .tree = {{CsgOperation::Object, 0}, {CsgOperation::Object, 1}, {CsgOperation::Difference}}};
+    scene.look.effects.occlusion = {.distance_world = 3, .rays = rays};
+    look_at(scene);
+    int in_bowl = 0;
+    int on_floor = 0;
+    double sum = 0;
+    for (const HitPixel& at : hit_pixels(hits, camera)) {
+        const bool is_cut = hits.pixel(at.x, at.y)[3] < 0;
+        // Two voxels from the rim, and from the field's border.
+        if (is_near_border(at.p) || (is_cut && at.p.z() > -0.06)) continue;
+        if (is_cut) {
+            ++in_bowl;
+            sum += share(at) - 0.5;
+            EXPECT_NEAR(share(at), 0.5, 5.0 / rays) << at.p.transpose();
+        } else {
+            ++on_floor;
+            EXPECT_EQ(share(at), 1) << at.p.transpose();
+        }
+    }
+    EXPECT_GT(in_bowl, 200);
+    EXPECT_GT(on_floor, 200);
+    // As under a ball.
+    EXPECT_NEAR(sum / in_bowl, 0, 0.1 / rays);
+    EXPECT_EQ(report.notes.size(), 1u) << "the picture's composition, not that of each ray";
+}
+
+TEST_F(Occlusions, AndAnOverviewAreNoStepsOfThePicturesRays) {
+    size = 300; // larger than an overview
+    Scene scene{.objects = {object(sphere_at({.centre = {0.3, 0, 0}, .radius = 0.5}), 24),
+                            object(sphere_at({.centre = {-0.3, 0, 0}, .radius = 0.5}), 24)}};
+    const Image alone = draw(scene, FrameImage::Steps);
+    scene.look.effects.occlusion.rays = 2;
+    renderer.load(scene);
+    report = renderer.draw(camera, size, size,
+                           {FrameImage::Steps, FrameImage::Occlusion, FrameImage::CurvatureColour});
+    EXPECT_TRUE(pass("occlusion").ran && pass("curvature colour").ran);
+    EXPECT_EQ(renderer.read(FrameImage::Steps).rgba, alone.rgba);
+    EXPECT_GT(std::ranges::max(alone.rgba), 1);
+}
+
 TEST_F(Occlusions, AreNumbersWhereTheGradientVanishes) {
     const AnalyticField flat{"flat",
                              [](const Vec3d& p) { return Jet{.value = p.z() * p.z() * p.z()}; }};

@@ -50,7 +50,7 @@ AnalyticField plane(const Vec3d& normal) {
             1};
 }
 
-TEST_F(EdgeLines, AreSobelsStencilByFourFetches) {
+TEST_F(EdgeLines, AreSobelsStencilByFourMeans) {
     for (const Projection projection : {Projection::Perspective, Projection::Orthographic}) {
         camera.projection = projection;
         camera.height_world = 3;

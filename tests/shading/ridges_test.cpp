@@ -117,6 +117,8 @@ TEST_F(RidgeLines, HaveAThresholdOfTheFirstPictureThatIsKept) {
     ASSERT_EQ(of_a_dent.size(), 1U);
     EXPECT_EQ(notes_of(camera), of_a_dent);
     renderer.set_look(renderer.look());
+    EXPECT_EQ(notes_of(camera), of_a_dent);
+    renderer.load(scene);
     EXPECT_NE(notes_of(camera), of_a_dent);
 }
 

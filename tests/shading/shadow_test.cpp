@@ -426,6 +426,9 @@ TEST_F(Shadows, CostNothingWhereTheyShowNothing) {
     draw(scene);
     EXPECT_FALSE(pass("shadow").ran || pass("shadow map").ran) << "the camera looks away";
     camera = at_scene;
+    report = renderer.draw(camera, 2000, 2000, {FrameImage::Beauty},
+                           PicturePart{.width = 32, .height = 32});
+    EXPECT_FALSE(pass("shadow").ran || pass("shadow map").ran) << "nothing is in this part";
     scene.look.model = ShadingModel::Flat;
     draw(scene);
     EXPECT_FALSE(pass("shadow").ran || pass("shadow map").ran) << "unlit";

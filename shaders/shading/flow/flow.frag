@@ -39,10 +39,11 @@ vec4 direction_at(ivec2 pixel) {
     return d;
 }
 
-// The noise between four pixels.
-float noise_at(vec2 at) {
-    vec2 corner = floor(at - 0.5) + 1.0; // where they meet
-    vec2 a = at + 0.5 - corner;
+// The noise between four pixels, at a place `off` a pixel's middle.
+float noise_at(ivec2 pixel, vec2 off) {
+    vec2 below = floor(off);
+    vec2 a = off - below;
+    vec2 corner = vec2(pixel + ivec2(below) + 1); // where they meet
     vec4 t = textureGather(t_noise, corner / vec2(textureSize(t_noise, 0)));
     return mix(mix(t.w, t.z, a.x), mix(t.x, t.y, a.x), a.y);
 }
@@ -75,15 +76,15 @@ void main() {
     for (int side = -1; side <= 1; side += 2) {
         vec3 p = hit.xyz;
         vec3 d = float(side) * middle.xyz;
-        vec2 at = vec2(pixel) + 0.5;
+        vec2 off = vec2(0.0); // not from the corner of the part that is drawn, which would round it
         for (int i = 1; i <= u_steps; ++i) {
             // How d moves in the picture [pixels/world].
             vec3 q = u_screen * p + vec3(0.0, 0.0, u_depth);
             vec3 dq = u_screen * d;
             vec2 velocity = (dq.xy - q.xy * (dq.z / q.z)) / q.z;
             float speed = length(velocity);
-            at += velocity / max(speed, 1e-30);
-            ivec2 next = ivec2(floor(at));
+            off += velocity / max(speed, 1e-30);
+            ivec2 next = pixel + ivec2(floor(off + 0.5));
             if (any(lessThan(next, ivec2(0))) || any(greaterThanEqual(next, size))) break;
             vec4 next_hit = texelFetch(t_hit, next, 0);
             vec4 next_direction = direction_at(next);
@@ -99,7 +100,7 @@ void main() {
             d = dot(next_direction.xyz, d) < 0.0 ? -next_direction.xyz : next_direction.xyz;
             float s = float(i) / float(u_steps + 1);
             weight = kernel(float(side) * s);
-            sum += weight * noise_at(at);
+            sum += weight * noise_at(pixel, off);
             squares += weight * weight;
             window += 0.5 + 0.5 * cos(pi * s);
         }

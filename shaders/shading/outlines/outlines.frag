@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: MPL-2.0
 #version 450 core
 #include "common/pixel.glsl"
-// Four bilinear fetches at the corners of the pixel are the nine of the stencil: each is the mean of
-// four texels, and what two of them share is counted twice.
+// The stencil is that of four means, each of four texels around a corner of the pixel: what two of
+// them share is counted twice. The thesis takes them by four bilinear fetches, whose weights depend on
+// how the place in the texture is rounded, so that parts of a picture would not fit.
 //
 //   -1 -2 -1       -A- -B-
 //    0  0  0  = 4 (       )     (figure 7.6, which has its fetches elsewhere)
@@ -20,8 +21,16 @@ uniform vec3 u_colour;
 
 out vec4 o_outlines; // linear RGB, coverage
 
-vec4 corner(float x, float y) {
-    return textureLod(t_source, (vec2(ivec2(gl_FragCoord.xy)) + 0.5 + vec2(x, y)) / vec2(textureSize(t_source, 0)), 0.0);
+vec4 source_at(ivec2 off) {
+    return texelFetch(t_source, clamp(ivec2(gl_FragCoord.xy) + off, ivec2(0), textureSize(t_source, 0) - 1), 0);
+}
+
+// The mean around a corner of the pixel.
+//
+// x, y  -1 or 1
+vec4 corner(int x, int y) {
+    return 0.25 * ((source_at(ivec2(0)) + source_at(ivec2(x, y))) +
+                   (source_at(ivec2(x, 0)) + source_at(ivec2(0, y))));
 }
 
 // Clamped and linear, half at the threshold.
@@ -30,10 +39,10 @@ float ramp(float step, float threshold) {
 }
 
 void main() {
-    vec4 a = corner(-0.5, -0.5);
-    vec4 b = corner(0.5, -0.5);
-    vec4 c = corner(-0.5, 0.5);
-    vec4 d = corner(0.5, 0.5);
+    vec4 a = corner(-1, -1);
+    vec4 b = corner(1, -1);
+    vec4 c = corner(-1, 1);
+    vec4 d = corner(1, 1);
     // A quarter of Sobel's response to a straight edge is the step.
     vec4 step_x = b + d - a - c;
     vec4 step_y = c + d - a - b;
@@ -42,7 +51,7 @@ void main() {
     // Beside the plane through the pixel's point, which rises by `plane` from pixel to pixel. Half as
     // much is a slack for surfaces that bend: the slope of a circle from 1 to 3 pixels within its
     // silhouette is a quarter more than that at 2.
-    vec4 centre = texelFetch(t_source, ivec2(gl_FragCoord.xy), 0);
+    vec4 centre = source_at(ivec2(0));
     float along_ray = dot(centre.xyz, u_ray_vector * vec3(1.0, picture_pixel()));
     float stable = along_ray < 0.0 ? min(along_ray, -1e-6) : max(along_ray, 1e-6);
     vec2 plane = vec2(dot(centre.xyz, u_pixel_x), dot(centre.xyz, u_pixel_y)) / stable;

@@ -289,10 +289,10 @@ TEST_F(Rendering, ReportsWhatRanAndWhatDidNot) {
     EXPECT_FALSE(beauty.passes[0].ran) << "lists need none";
     EXPECT_EQ(beauty.passes[1].name, "raycast");
     EXPECT_EQ(beauty.passes[1].asked_by, "gradient, shading");
-    EXPECT_EQ(beauty.passes[2].name, "gradient");
-    EXPECT_EQ(beauty.passes[2].drawn_by, "raycast") << "hits alone were drawn without";
+    EXPECT_EQ(beauty.passes[3].name, "gradient");
+    EXPECT_EQ(beauty.passes[3].drawn_by, "raycast") << "hits alone were drawn without";
     EXPECT_EQ(hit_only.passes[1].texture_bytes, 64 * 32 * 16);
-    EXPECT_EQ(hit_only.passes[2].texture_bytes, 0);
+    EXPECT_EQ(hit_only.passes[3].texture_bytes, 0);
 
     const FrameReport again = renderer.draw(camera, 64, 32, {FrameImage::Hit});
     EXPECT_EQ(again.programs_compiled, 3) << "programs are kept";

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MPL-2.0
+#include "quadrics/primitives.h"
+
+#include "volume/errors.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace isocast {
+
+namespace {
+
+/// Calls problem_of(primitive), empty if there is none, until one has one.
+template<class Primitive, class ProblemOf>
+void check_each(const char* kind, std::span<const Primitive> primitives, ProblemOf problem_of) {
+    for (std::size_t i = 0; i < primitives.size(); ++i)
+        if (const std::string problem = problem_of(primitives[i]); !problem.empty())
+            throw InputError(fmt::format("{} {}: {}", kind, i, problem));
+}
+
+std::string length_problem(const char* name, double length) {
+    return std::isfinite(length) && length > 0 ? "" : fmt::format("{} is {}", name, length);
+}
+
+std::string axis_problem(const Vec3d& a_world, const Vec3d& b_world) {
+    if (!a_world.allFinite() || !b_world.allFinite()) return "an end is not finite";
+    return a_world == b_world ? "its ends are one point" : "";
+}
+
+std::string axes_problem(const Vec3d& centre_world, const Mat3d& axes_world) {
+    if (!centre_world.allFinite() || !axes_world.allFinite()) return "it is not finite";
+    return axes_world.determinant() == 0 ? "its axes lie in a plane" : "";
+}
+
+std::string first_of(std::initializer_list<std::string> problems) {
+    for (const std::string& problem : problems)
+        if (!problem.empty()) return problem;
+    return "";
+}
+
+} // namespace
+
+void check(std::span<const Sphere> spheres) {
+    check_each("sphere", spheres, [](const Sphere& s) {
+        return first_of({s.centre_world.allFinite() ? "" : "its centre is not finite",
+                         length_problem("its radius", s.radius_world)});
+    });
+}
+
+void check(std::span<const Ellipsoid> ellipsoids) {
+    check_each("ellipsoid", ellipsoids,
+               [](const Ellipsoid& e) { return axes_problem(e.centre_world, e.axes_world); });
+}
+
+void check(std::span<const Cylinder> cylinders) {
+    check_each("cylinder", cylinders, [](const Cylinder& c) {
+        return first_of(
+            {axis_problem(c.a_world, c.b_world), length_problem("its radius", c.radius_world)});
+    });
+}
+
+void check(std::span<const Cone> cones) {
+    check_each("cone", cones, [](const Cone& c) {
+        const auto problem_of = [](const char* name, double radius, double other) {
+            return radius == 0 && other > 0 ? "" : length_problem(name, radius);
+        };
+        return first_of({axis_problem(c.a_world, c.b_world),
+                         problem_of("its first radius", c.radius_a_world, c.radius_b_world),
+                         problem_of("its second radius", c.radius_b_world, c.radius_a_world)});
+    });
+}
+
+void check(std::span<const ClippedQuadric> quadrics) {
+    check_each("quadric", quadrics, [](const ClippedQuadric& q) {
+        const bool is_finite = q.a.allFinite() && q.b.allFinite() && std::isfinite(q.c);
+        return first_of({axes_problem(q.centre_world, q.axes_world),
+                         is_finite ? "" : "its coefficients are not finite",
+                         q.a.isZero(0) && q.b.isZero(0) ? "it has no coefficients" : ""});
+    });
+}
+
+} // namespace isocast

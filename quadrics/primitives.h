@@ -1,0 +1,65 @@
+// Surfaces of second degree that are drawn one by one: spheres, ellipsoids, cylinders, cones, and
+// general quadrics in a box.
+// SPDX-License-Identifier: MPL-2.0
+#pragma once
+
+#include "volume/grid_space.h"
+
+#include <span>
+
+namespace isocast {
+
+/// Inside is negative, as in fields: |p - centre| - radius.
+struct Sphere {
+    Vec3d centre_world = Vec3d::Zero();
+    double radius_world = 1;
+    Vec3d colour = Vec3d(0.72, 0.6, 0.42); // linear
+};
+
+/// The image of the unit sphere by p = centre + axes q; columns are the semi-axes.
+struct Ellipsoid {
+    Vec3d centre_world = Vec3d::Zero();
+    Mat3d axes_world = Mat3d::Identity();
+    Vec3d colour = Vec3d(0.72, 0.6, 0.42);
+};
+
+/// From the middle of one end to that of the other; open: without the two discs.
+struct Cylinder {
+    Vec3d a_world = Vec3d::Zero();
+    Vec3d b_world = Vec3d::UnitZ();
+    double radius_world = 1;
+    bool is_capped = false;
+    Vec3d colour = Vec3d(0.72, 0.6, 0.42);
+};
+
+/// With another radius at each end, one of which may be 0: the apex.
+struct Cone {
+    Vec3d a_world = Vec3d::Zero();
+    Vec3d b_world = Vec3d::UnitZ();
+    double radius_a_world = 1;
+    double radius_b_world = 0;
+    bool is_capped = true;
+    Vec3d colour = Vec3d(0.72, 0.6, 0.42);
+};
+
+/// q^T A q + 2 b^T q + c = 0 with q = axes^-1 (p - centre), where |q_x|, |q_y|, |q_z| <= 1: the box
+/// that clips it has the columns of `axes` as half edges.
+struct ClippedQuadric {
+    Vec3d centre_world = Vec3d::Zero();
+    Mat3d axes_world = Mat3d::Identity();
+    Mat3d a = Mat3d::Identity(); // symmetric
+    Vec3d b = Vec3d::Zero();
+    double c = -1;
+    Vec3d colour = Vec3d(0.72, 0.6, 0.42);
+};
+
+/// throws  InputError that names the first one that cannot be drawn by its index, and why: a length
+///         that is zero, negative, NaN or infinite, a place that is not finite, axes that lie in a
+///         plane, a quadric without coefficients
+void check(std::span<const Sphere> spheres);
+void check(std::span<const Ellipsoid> ellipsoids);
+void check(std::span<const Cylinder> cylinders);
+void check(std::span<const Cone> cones);
+void check(std::span<const ClippedQuadric> quadrics);
+
+} // namespace isocast

@@ -61,6 +61,8 @@ struct StorageOptions {
     /// of the GL), and whether exact sums place hits and make gradients.
     int fraction_bits = 0;
     bool is_refined_exactly = true;
+
+    bool operator==(const StorageOptions&) const = default;
 };
 
 gl::Format texel_format(const StorageOptions& options);

@@ -45,6 +45,19 @@ Eigen::AlignedBox3d world_box(const IndexBox& box, const GridSpace& space) {
     return around;
 }
 
+bool LoadedObject::takes(const FieldObject& object, const StorageOptions& storage,
+                         Traversal traversal, double curvature_scale_voxels) {
+    const auto with_no_colours = [](FieldObject plain) {
+        plain.colour = plain.cut_colour = {};
+        return plain;
+    };
+    const bool is_same = with_no_colours(object) == with_no_colours(object_) &&
+                         storage == storage_ && traversal == traversal_ &&
+                         curvature_scale_voxels == curvature_scale_voxels_;
+    if (is_same) object_ = object;
+    return is_same;
+}
+
 void LoadedObject::load(FieldObject object, const StorageOptions& storage, Traversal traversal,
                         double curvature_scale_voxels, const Progress& progress) {
     const Filter derivative_filter = object.derivative_filter.value_or(object.filter);

@@ -25,10 +25,12 @@ public:
     ///          fit
     void load(FieldObject object, const StorageOptions& storage, Traversal traversal,
               double curvature_scale_voxels, const Progress& progress = {});
+    /// Whether load() would make the same of these; then takes on the object's colours.
+    bool takes(const FieldObject& object, const StorageOptions& storage, Traversal traversal,
+               double curvature_scale_voxels);
     /// Renderer::set_iso.
     void set_iso(double iso_world);
 
-    bool is_loaded() const { return control_ != nullptr; }
     const FieldObject& object() const { return object_; }
     const BlockRanges& ranges() const { return ranges_; }
     const std::vector<ActivePage>& active() const { return active_; }

@@ -114,14 +114,14 @@ struct Occlusion {
     int rays = 16; // of each pixel
 };
 
-/// Contours of even thickness [Kindlmann et al. 2003, section 4.1].
+/// Contours of even thickness [Kindlmann et al. 2003].
 struct Contours {
     double strength = 0;
     double thickness_pixels = 2;
     Vec3d colour = Vec3d::Zero();
 };
 
-/// Ridge and valley lines in the (k1, k2) domain [Kindlmann et al. 2003, section 4.2].
+/// Ridge and valley lines in the (k1, k2) domain [Kindlmann et al. 2003].
 struct Ridges {
     double strength = 0;
     std::optional<double> threshold; // [1/world]; else from the picture's percentiles
@@ -130,7 +130,7 @@ struct Ridges {
 };
 
 /// Where a small change of the iso value moves the surface far, or the field bends fast along its
-/// gradient [Kindlmann et al. 2003, section 4.3].
+/// gradient [Kindlmann et al. 2003].
 struct Uncertainty {
     double strength = 0;
     std::optional<double> range; // flow-line curvature of full uncertainty [1/world]

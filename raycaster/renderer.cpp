@@ -80,17 +80,29 @@ void Renderer::load(Scene scene, const Progress& progress) {
     if (scene.storage.over_budget == OverBudget::Coarsen && scene.curvature_scale_voxels > 0)
         throw InputError("coarse bricks cannot have curvatures at a scale");
     check_look(scene.look);
-    // The old fields go first, so that both are never in memory.
+    StorageOptions storage = scene.storage;
+    storage.budget_bytes /= std::ssize(objects);
+    // What stays the same is kept; other old fields go first, so that they and the new ones are
+    // never in memory together.
+    std::vector<std::unique_ptr<LoadedObject>> loaded;
+    for (const FieldObject& object : objects) {
+        const auto found = std::ranges::find_if(objects_, [&](const auto& old) {
+            return old && old->takes(object, storage, scene.quality.traversal,
+                                     scene.curvature_scale_voxels);
+        });
+        loaded.push_back(found == objects_.end() ? nullptr : std::move(*found));
+    }
     objects_.clear();
-    objects_ = std::vector<LoadedObject>(objects.size());
+    for (std::size_t i = 0; i < objects.size(); ++i) {
+        if (loaded[i]) continue;
+        loaded[i] = std::make_unique<LoadedObject>();
+        loaded[i]->load(objects[i], storage, scene.quality.traversal, scene.curvature_scale_voxels,
+                        progress);
+    }
+    objects_ = std::move(loaded);
     scene_ = std::move(scene);
     look_textures_ = {};
     look_numbers_ = {};
-    StorageOptions storage = scene_.storage;
-    storage.budget_bytes /= std::ssize(objects);
-    for (std::size_t i = 0; i < objects.size(); ++i)
-        objects_[i].load(objects[i], storage, scene_.quality.traversal,
-                         scene_.curvature_scale_voxels, progress);
     check_residence();
 }
 
@@ -101,9 +113,8 @@ void Renderer::set_look(Look look) {
 }
 
 void Renderer::set_iso(double iso_world, int object) {
-    LoadedObject& moved = objects_.at(static_cast<std::size_t>(object));
-    if (!moved.is_loaded()) throw std::logic_error("no scene is loaded");
-    moved.set_iso(iso_world);
+    if (objects_.empty()) throw std::logic_error("no scene is loaded");
+    objects_.at(static_cast<std::size_t>(object))->set_iso(iso_world);
     (scene_.field ? scene_.iso_world : scene_.objects[static_cast<std::size_t>(object)].iso_world) =
         iso_world;
     check_residence();
@@ -122,8 +133,8 @@ void Renderer::check_residence() {
     const bool can_stream = !scene_.quality.rate &&
                             scene_.quality.traversal == Traversal::TileLists &&
                             !is_composed(scene_);
-    for (const LoadedObject& object : objects_)
-        if (!can_stream && !object.field().pool().holds_all())
+    for (const auto& object : objects_)
+        if (!can_stream && !object->field().pool().holds_all())
             throw ResourceError(
                 "all bricks must fit the texture budget for sampling at a rate, for other ways to "
                 "the blocks than lists, and for composed objects, each in an equal share");
@@ -132,8 +143,8 @@ void Renderer::check_residence() {
 
 Eigen::AlignedBox3d Renderer::composed_box() const {
     std::vector<Eigen::AlignedBox3d> boxes;
-    for (const LoadedObject& object : objects_) {
-        boxes.push_back(world_box(object.surface_box(), object.object().field->space()));
+    for (const auto& object : objects_) {
+        boxes.push_back(world_box(object->surface_box(), object->object().field->space()));
     }
     using Box = Eigen::AlignedBox3d;
     return evaluate(
@@ -162,14 +173,14 @@ std::array<Vec3d, 8> Renderer::surface_box_world() const {
 std::vector<FrameObject> Renderer::frame_objects(const Camera& camera, int width, int height,
                                                  const PicturePart& part) {
     std::vector<FrameObject> objects;
-    for (LoadedObject& object : objects_)
-        objects.push_back({object.object(),
-                           object.field(),
-                           object.derivative_field(),
-                           object.curvature_field(),
-                           {scene_.quality.traversal, object.ranges(), object.active(),
-                            object.object().field->space(), camera, width, height, part},
-                           object.box_world()});
+    for (const auto& object : objects_)
+        objects.push_back({object->object(),
+                           object->field(),
+                           object->derivative_field(),
+                           object->curvature_field(),
+                           {scene_.quality.traversal, object->ranges(), object->active(),
+                            object->object().field->space(), camera, width, height, part},
+                           object->box_world()});
     return objects;
 }
 
@@ -183,6 +194,7 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
     check_size("picture size", width, height, max_picture_extent);
     const PicturePart part = asked_part.value_or(PicturePart{.width = width, .height = height});
     check_size("drawn at a time:", part.width, part.height, gl::max_image_extent());
+    if (objects_.empty()) throw std::logic_error("no scene is loaded");
     const std::vector<FrameObject> objects = frame_objects(camera, width, height, part);
     const PlacesOnGpu places_of_all =
         is_composed(scene_) ? union_of_places(objects, part.width, part.height) : PlacesOnGpu();
@@ -219,8 +231,8 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
         if (light == nullptr) throw InputError("no light casts shadows");
         // The surface is within a voxel of the control samples that enclose it.
         double margin_world = 0;
-        for (const LoadedObject& object : objects_)
-            margin_world = std::max(margin_world, object.object()
+        for (const auto& object : objects_)
+            margin_world = std::max(margin_world, object->object()
                                                       .field->space()
                                                       .world_from_index.linear()
                                                       .colwise()
@@ -236,7 +248,7 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
     const bool is_smoothed =
         scene_.curvature_scale_voxels > 0 &&
         std::ranges::any_of(live, [](const Pass& pass) { return is_of_second_order(pass.writes); });
-    for (LoadedObject& object : objects_) object.keep_smoothed(is_smoothed);
+    for (const auto& object : objects_) object->keep_smoothed(is_smoothed);
 
     for (const Pass& pass : declared) {
         gl::Texture& texture = targets_.texture(pass.writes);
@@ -277,7 +289,7 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
     for (PassReport& pass : report.passes)
         if (pass.ran) pass.milliseconds = timers.at(pass.name).milliseconds();
     report.programs_compiled = shaders_.compiled_program_count();
-    for (const LoadedObject& object : objects_) report.field_bytes += object.byte_count();
+    for (const auto& object : objects_) report.field_bytes += object->byte_count();
     report.scratch_bytes = frame.scratch_bytes;
     report.notes = std::move(frame.notes);
     report.look_bytes = look_textures_.byte_count();

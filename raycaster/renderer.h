@@ -37,11 +37,10 @@ class Renderer {
 public:
     /// shader_folder  the project's shaders/
     Renderer(gl::Context& context, const std::filesystem::path& shader_folder);
-    /// Finds the active blocks and uploads their bricks.
+    /// Finds the active blocks and uploads their bricks; what the scene before had alike is kept.
     /// throws  InputError if the scene is wrong (objects_of), asks for Catmull-Rom's filter by
-    /// linear
-    ///         fetches, for an impossible scale of curvatures, or for several objects by other than
-    ///         certified steps and lists; ResourceError if it does not fit
+    ///         linear fetches, for an impossible scale of curvatures, or for several objects by
+    ///         other than certified steps and lists; ResourceError if it does not fit
     void load(Scene scene, const Progress& progress = {});
 
     /// Moves the isosurface of an object of the loaded scene: pictures are, bit by bit, those of
@@ -87,7 +86,7 @@ public:
 
 private:
     const LoadedObject& at(int object) const {
-        return objects_.at(static_cast<std::size_t>(object));
+        return *objects_.at(static_cast<std::size_t>(object));
     }
     /// throws  ResourceError if a field does not fit that must
     void check_residence();
@@ -101,7 +100,7 @@ private:
     gl::ShaderLibrary shaders_;
     gl::VertexArray no_vertices_;
     Scene scene_;
-    std::vector<LoadedObject> objects_ = std::vector<LoadedObject>(1);
+    std::vector<std::unique_ptr<LoadedObject>> objects_;
     std::optional<LightView> shadow_map_; // where it was drawn from, if it is that of these objects
     FrameTargets targets_;
     LookTextures look_textures_;

@@ -50,6 +50,8 @@ struct FieldObject {
     std::optional<Vec3d> colour = {};
     /// Where this object is taken away from others; `colour` if empty.
     std::optional<Vec3d> cut_colour = {};
+
+    bool operator==(const FieldObject&) const = default;
 };
 
 /// `field` and what follows it are the one object of a scene without `objects`.

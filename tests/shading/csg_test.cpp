@@ -525,6 +525,24 @@ TEST_F(Csg, FarFromTheOriginAndTheEyeIsAsExact) {
     EXPECT_GT(count, 1000);
 }
 
+TEST_F(Csg, ObjectsThatStayTheSameAreNotLoadedAgain) {
+    spheres.look.model = ShadingModel::Flat;
+    renderer.load(spheres);
+    const BrickPool* const first = &renderer.pool(0);
+    // The second changes its iso value, the first only its colour and place.
+    std::swap(spheres.objects[0], spheres.objects[1]);
+    spheres.objects[0].iso_world = 0.05;
+    spheres.objects[1].colour = {0, 1, 0};
+    renderer.load(spheres);
+    EXPECT_EQ(&renderer.pool(1), first);
+    Renderer fresh(*context, shader_folder);
+    fresh.load(spheres);
+    for (Renderer* drawer : {&renderer, &fresh})
+        drawer->draw(camera, size, size, {FrameImage::Hit, FrameImage::Beauty});
+    EXPECT_EQ(renderer.read(FrameImage::Hit).rgba, fresh.read(FrameImage::Hit).rgba);
+    EXPECT_EQ(renderer.read(FrameImage::Beauty).rgba, fresh.read(FrameImage::Beauty).rgba);
+}
+
 TEST_F(Csg, ObjectsHaveTheirColoursAndThoseOfTheirCuts) {
     spheres.look.model = ShadingModel::Flat;
     spheres.objects[0].colour = {1, 0, 0};

@@ -15,16 +15,29 @@ namespace isocast {
 
 namespace {
 
-gl::ProgramKey raycast_program(std::map<std::string, std::string> defines, int search,
-                               Traversal traversal, bool has_gradient, bool is_operand = false,
-                               bool is_to_sky = false, bool counts_steps = false) {
-    defines.emplace("IS_OPERAND", is_operand ? "1" : "0");
-    defines.emplace("IS_TO_SKY", is_to_sky ? "1" : "0");
-    defines.emplace("SEARCH", std::to_string(search));
-    defines.emplace("COUNTS_STEPS", counts_steps ? "1" : "0");
-    defines.emplace("HAS_GRADIENT", has_gradient ? "1" : "0");
-    defines.emplace("TRAVERSAL", std::to_string(static_cast<int>(traversal)));
-    return {{traversal == Traversal::DrawnBlocks ? "raycast/drawn_block.vert" : "common/tiles.vert",
+/// What raycast/raycast.frag is made for.
+struct RaycastKind {
+    bool is_sampled = false; // at a rate, for comparison
+    Traversal traversal = Traversal::TileLists;
+    bool has_gradient = false;
+    bool is_operand = false;
+    bool is_to_sky = false;
+    bool counts_steps = false;
+};
+
+gl::ProgramKey raycast_program(std::map<std::string, std::string> defines,
+                               const RaycastKind& kind) {
+    const auto define = [&](const char* name, int value) {
+        defines.emplace(name, std::to_string(value));
+    };
+    define("SEARCH", kind.is_sampled ? 1 : 0);
+    define("TRAVERSAL", static_cast<int>(kind.traversal));
+    define("HAS_GRADIENT", kind.has_gradient ? 1 : 0);
+    define("IS_OPERAND", kind.is_operand ? 1 : 0);
+    define("IS_TO_SKY", kind.is_to_sky ? 1 : 0);
+    define("COUNTS_STEPS", kind.counts_steps ? 1 : 0);
+    return {{kind.traversal == Traversal::DrawnBlocks ? "raycast/drawn_block.vert"
+                                                      : "common/tiles.vert",
              "raycast/raycast.frag"},
             std::move(defines)};
 }
@@ -328,8 +341,9 @@ RayCoefficients set_search_uniforms(const gl::Program& program, const FrameConte
 }
 
 gl::ProgramKey operand_program(const FrameContext& frame) {
-    return raycast_program(frame.field.pool().defines(), 0, Traversal::TileLists, false, true,
-                           false, frame.live.contains(FrameImage::Steps));
+    return raycast_program(
+        frame.field.pool().defines(),
+        {.is_operand = true, .counts_steps = frame.live.contains(FrameImage::Steps)});
 }
 
 void start_counting_steps(const FrameContext& frame) {
@@ -341,14 +355,17 @@ void start_counting_steps(const FrameContext& frame) {
 }
 
 gl::ProgramKey sky_operand_program(std::map<std::string, std::string> pool_defines) {
-    return raycast_program(std::move(pool_defines), 0, Traversal::Walk, false, true, true);
+    return raycast_program(std::move(pool_defines),
+                           {.traversal = Traversal::Walk, .is_operand = true, .is_to_sky = true});
 }
 
 void run_raycast(FrameContext& frame) {
     const Quality& quality = frame.scene.quality;
-    const gl::ProgramKey key = raycast_program(frame.field.pool().defines(), quality.rate ? 1 : 0,
-                                               quality.traversal, frame.has_fused_gradient, false,
-                                               false, frame.live.contains(FrameImage::Steps));
+    const gl::ProgramKey key = raycast_program(
+        frame.field.pool().defines(), {.is_sampled = quality.rate.has_value(),
+                                       .traversal = quality.traversal,
+                                       .has_gradient = frame.has_fused_gradient,
+                                       .counts_steps = frame.live.contains(FrameImage::Steps)});
     const gl::Program& program = frame.shaders.program(key);
     start_counting_steps(frame);
     set_search_uniforms(program, frame);
@@ -473,17 +490,20 @@ std::vector<gl::ProgramKey> field_programs() {
             }
             if (is_streamed == 0)
                 for (const bool counts_steps : {false, true})
-                    keys.push_back(raycast_program(defines, 0, Traversal::TileLists, false, true,
-                                                   false, counts_steps));
-            for (const int search : {0, 1}) {
+                    keys.push_back(raycast_program(
+                        defines, {.is_operand = true, .counts_steps = counts_steps}));
+            for (const bool is_sampled : {false, true}) {
                 for (const Traversal traversal : {Traversal::TileLists, Traversal::DrawnBlocks,
                                                   Traversal::BoundingFaces, Traversal::Walk}) {
                     // Renderer::load refuses the others.
-                    const bool is_default = search == 0 && traversal == Traversal::TileLists;
+                    const bool is_default = !is_sampled && traversal == Traversal::TileLists;
                     if (is_streamed == 0 || is_default)
-                        keys.push_back(raycast_program(defines, search, traversal, false));
+                        keys.push_back(raycast_program(
+                            defines, {.is_sampled = is_sampled, .traversal = traversal}));
                     if (is_streamed == 0 && traversal != Traversal::DrawnBlocks && !is_linear)
-                        keys.push_back(raycast_program(defines, search, traversal, true));
+                        keys.push_back(raycast_program(defines, {.is_sampled = is_sampled,
+                                                                 .traversal = traversal,
+                                                                 .has_gradient = true}));
                 }
             }
         }
@@ -492,10 +512,11 @@ std::vector<gl::ProgramKey> field_programs() {
     std::map<std::string, std::string> defines = BrickPool().defines();
     defines.emplace("KERNEL", std::to_string(static_cast<int>(Kernel::BSpline)));
     defines.emplace("IS_STREAMED", "0");
-    for (const int search : {0, 1})
+    for (const bool is_sampled : {false, true})
         for (const Traversal traversal : {Traversal::TileLists, Traversal::DrawnBlocks,
                                           Traversal::BoundingFaces, Traversal::Walk})
-            keys.push_back(raycast_program(defines, search, traversal, false, false, false, true));
+            keys.push_back(raycast_program(
+                defines, {.is_sampled = is_sampled, .traversal = traversal, .counts_steps = true}));
     for (unsigned set = 2; set < 1U << second_order.size(); ++set) {
         ImageSet images;
         for (std::size_t i = 0; i < second_order.size(); ++i)

@@ -1,8 +1,6 @@
 // Solids composed of fields: against analytic ones, against the tree of the exact splines along
 // each ray, and against each other. SPDX-License-Identifier: MPL-2.0
-#include "raycaster/csg.h"
-
-#include "../volume/random_fields.h"
+#include "csg_trees.h"
 #include "filtering/curvature.h"
 #include "filtering/filter.h"
 #include "filtering/reconstruct.h"
@@ -18,78 +16,8 @@
 namespace isocast::test {
 namespace {
 
-constexpr auto Object = CsgOperation::Object;
-constexpr auto Union = CsgOperation::Union;
-constexpr auto Intersection = CsgOperation::Intersection;
-constexpr auto Difference = CsgOperation::Difference;
-
 CsgTree pair(CsgOperation operation) {
     return {{Object, 0}, {Object, 1}, {operation}};
-}
-
-/// A random tree that names every object, and some of them twice.
-CsgTree random_tree(Random& random, int object_count) {
-    CsgTree tree;
-    int operands = 0;
-    std::vector<int> objects;
-    for (int i = 0; i < object_count; ++i) objects.push_back(i);
-    objects.push_back(random_int(random, 0, object_count - 1));
-    std::shuffle(objects.begin(), objects.end(), random);
-    const auto combine = [&] {
-        tree.push_back({static_cast<CsgOperation>(random_int(random, 1, 3))});
-        --operands;
-    };
-    for (const int object : objects) {
-        tree.push_back({Object, object});
-        ++operands;
-        while (operands > 1 && random_int(random, 0, 1) == 0) combine();
-    }
-    while (operands > 1) combine();
-    return tree;
-}
-
-TEST(CsgTree, TableHasTheSignsOfMinimaAndMaxima) {
-    Random random(1);
-    for (int run = 0; run < 300; ++run) {
-        const int count = random_int(random, 1, max_object_count);
-        const CsgTree tree = random_tree(random, count);
-        check_tree(tree, count);
-        const InsideTable table = inside_table(tree, count);
-        std::vector<double> values;
-        unsigned set = 0;
-        for (int i = 0; i < count; ++i) {
-            values.push_back(random_real(random, -1, 1));
-            set |= (values.back() < 0 ? 1U : 0U) << i;
-        }
-        EXPECT_EQ(table.is_inside(set), composed_value(tree, values) < 0);
-    }
-}
-
-TEST(CsgTree, ObeysDeMorgan) {
-    const auto words = [](const CsgTree& tree) { return inside_table(tree, 3).words; };
-    const CsgStep a{Object, 0};
-    const CsgStep b{Object, 1};
-    const CsgStep c{Object, 2};
-    EXPECT_EQ(words({a, b, c, {Union}, {Difference}}),
-              words({a, b, {Difference}, a, c, {Difference}, {Intersection}}));
-    EXPECT_EQ(words({a, b, c, {Intersection}, {Difference}}),
-              words({a, b, {Difference}, a, c, {Difference}, {Union}}));
-    EXPECT_EQ(words({a, b, c, {Union}, {Intersection}}),
-              words({a, b, {Intersection}, a, c, {Intersection}, {Union}}));
-    EXPECT_NE(words({a, b, c, {Union}, {Intersection}}), words({a, b, {Union}, c, {Intersection}}));
-}
-
-TEST(CsgTree, SaysAllThatIsWrong) {
-    try {
-        check_tree({{Object, 0}, {Union}, {Object, 3}}, 2);
-        FAIL() << "no error";
-    } catch (const InputError& error) {
-        EXPECT_STREQ(error.what(),
-                     "CSG tree: step 1 has less than two operands; step 2 names object "
-                     "3, and there are 2; 2 operands are left, not one; object 1 is "
-                     "not named");
-    }
-    EXPECT_THROW(check_tree({}, 1), InputError);
 }
 
 /// Samples at n^3 points of a grid, with no band.

@@ -10,11 +10,6 @@
 namespace isocast::test {
 namespace {
 
-std::shared_ptr<const FieldSource> random_sparse(Random& random) {
-    return std::make_shared<SparseField>(GridSpace::uniform(0.5), 1.5, Outside::SignedBackground,
-                                         random_blocks(random, 2, 0.4, 1.5F));
-}
-
 std::shared_ptr<const FieldSource> shell(double radius, double half_width_voxels) {
     AnalyticField field = sphere_field(Vec3d::Zero(), radius);
     field.half_extent_world = 1;

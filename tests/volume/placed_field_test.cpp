@@ -13,11 +13,6 @@ namespace {
 const Placement placement{
     .scale = 2.5, .rotation_degrees = {20, -35, 110}, .translation_world = {3, -1, 0.5}};
 
-std::shared_ptr<const FieldSource> random_sparse(Random& random) {
-    return std::make_shared<SparseField>(GridSpace::uniform(0.5), 1.5, Outside::SignedBackground,
-                                         random_blocks(random, 2, 0.4, 1.5F));
-}
-
 TEST(Placement, TurnsAboutXThenYThenZ) {
     const auto moved = [](const Placement& p, const Vec3d& v) -> Vec3d { return p.to_world() * v; };
     const auto is_near = [](const Vec3d& a, const Vec3d& b) { return (a - b).norm() < 1e-15; };

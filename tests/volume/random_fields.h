@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <memory>
 #include <random>
 
 namespace isocast::test {
@@ -78,6 +80,12 @@ inline FieldBlocks random_blocks(Random& random, int reach, double probability, 
     }
     std::shuffle(blocks.begin(), blocks.end(), random);
     return blocks;
+}
+
+/// Of blocks in [-2, 2]^3.
+inline std::shared_ptr<const FieldSource> random_sparse(Random& random) {
+    return std::make_shared<SparseField>(GridSpace::uniform(0.5), 1.5, Outside::SignedBackground,
+                                         random_blocks(random, 2, 0.4, 1.5F));
 }
 
 inline std::vector<float> copied(const FieldSource& field, const IndexBox& box, int level = 0) {

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: MPL-2.0
+#include "quadrics/visibility.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace isocast {
+
+namespace {
+
+constexpr float margin_pixels = 1.0F / 64;
+constexpr float depth_margin = 0x1p-16F; // of a depth
+constexpr int tile = 8;                  // a mask has 64 bits
+constexpr int strip_tiles = 8;           // rows of tiles that one thread looks at
+
+/// 8 x 8 pixels, as discs cover them. Two layers: all of the tile, and the pixels of a mask.
+struct Tile {
+    static constexpr float nothing = -std::numeric_limits<float>::infinity();
+    float depth = std::numeric_limits<float>::infinity(); // all pixels are covered before it
+    float mask_depth = nothing;                           // pixels of the mask are, before this
+    std::uint64_t mask = 0;
+
+    bool hides(float nearest_depth) const {
+        return depth + depth_margin * std::abs(depth) < nearest_depth;
+    }
+    void cover(std::uint64_t pixels, float covered_depth) {
+        if (!(covered_depth < depth)) return;
+        mask |= pixels;
+        mask_depth = std::max(mask_depth, covered_depth);
+        if (mask != ~std::uint64_t{0}) return;
+        depth = mask_depth;
+        mask = 0;
+        mask_depth = nothing;
+    }
+};
+
+/// Tiles from lo to hi, both included.
+struct TileBox {
+    int x_lo, x_hi;
+    int y_lo, y_hi;
+};
+
+int tile_at(float pixel, int tiles) {
+    return static_cast<int>(
+        std::floor(std::clamp(pixel / tile, 0.0F, static_cast<float>(tiles) - 0.5F)));
+}
+
+/// The first bits of eight of the pixels from lo on that lie in [lo, hi), as a row of a mask.
+std::uint64_t row_bits(int lo, int hi) {
+    const unsigned below_hi = hi >= tile ? 0xffU : (1U << std::max(hi, 0)) - 1;
+    const unsigned below_lo = lo >= tile ? 0xffU : (1U << std::max(lo, 0)) - 1;
+    return below_hi & ~below_lo;
+}
+
+/// A strip of the picture, front to back.
+class Strip {
+public:
+    Strip(int width, int height, int first_row)
+        : columns_((width + tile - 1) / tile), rows_((height + tile - 1) / tile),
+          first_row_(first_row), last_row_(std::min(first_row + strip_tiles, rows_) - 1),
+          tiles_(static_cast<std::size_t>(columns_) *
+                 static_cast<std::size_t>(last_row_ - first_row_ + 1)) {
+        // Pixels beyond the picture are covered by nothing that counts.
+        for (int y = first_row_; y <= last_row_; ++y)
+            for (int x = 0; x < columns_; ++x)
+                at(x, y).mask = beyond(width - x * tile, height - y * tile);
+    }
+
+    /// Whether the footprint can be seen in this strip; then its disc covers what is behind.
+    bool sees(const Footprint& f) {
+        TileBox box{tile_at(f.x_lo - margin_pixels, columns_),
+                    tile_at(f.x_hi + margin_pixels, columns_),
+                    tile_at(f.y_lo - margin_pixels, rows_), tile_at(f.y_hi + margin_pixels, rows_)};
+        box.y_lo = std::max(box.y_lo, first_row_);
+        box.y_hi = std::min(box.y_hi, last_row_);
+        bool is_seen = false;
+        for (int y = box.y_lo; y <= box.y_hi && !is_seen; ++y)
+            for (int x = box.x_lo; x <= box.x_hi && !is_seen; ++x)
+                is_seen = !at(x, y).hides(f.nearest_depth);
+        if (is_seen && f.disc_radius > margin_pixels) cover(f, box);
+        return is_seen;
+    }
+
+private:
+    Tile& at(int x, int y) {
+        return tiles_[static_cast<std::size_t>(x) + static_cast<std::size_t>(columns_) *
+                                                        static_cast<std::size_t>(y - first_row_)];
+    }
+    static std::uint64_t beyond(int width, int height) {
+        std::uint64_t mask = 0;
+        for (int y = 0; y < tile; ++y)
+            mask |= (y < height ? row_bits(width, tile) : row_bits(0, tile)) << (tile * y);
+        return mask;
+    }
+
+    void cover(const Footprint& f, const TileBox& box) {
+        const float radius = f.disc_radius - margin_pixels;
+        for (int y = box.y_lo; y <= box.y_hi; ++y) {
+            // Of each row of pixels the first one covered, and one past the last.
+            int first[tile];
+            int last[tile];
+            for (int row = 0; row < tile; ++row) {
+                const float dy = static_cast<float>(y * tile + row) + 0.5F - f.disc_y;
+                const float half = std::sqrt(std::max(radius * radius - dy * dy, 0.0F));
+                first[row] = static_cast<int>(std::ceil(f.disc_x - half - 0.5F));
+                last[row] = half > 0 ? static_cast<int>(std::floor(f.disc_x + half - 0.5F)) + 1
+                                     : first[row];
+            }
+            for (int x = box.x_lo; x <= box.x_hi; ++x) {
+                std::uint64_t pixels = 0;
+                for (int row = 0; row < tile; ++row)
+                    pixels |= row_bits(first[row] - x * tile, last[row] - x * tile) << (tile * row);
+                if (pixels != 0) at(x, y).cover(pixels, f.disc_depth);
+            }
+        }
+    }
+
+    int columns_;
+    int rows_;
+    int first_row_;
+    int last_row_;
+    std::vector<Tile> tiles_;
+};
+
+} // namespace
+
+Footprint sphere_footprint(const FootprintView& view, const Vec3d& centre_eye, double radius) {
+    const double depth = -centre_eye.z();
+    const auto width = static_cast<float>(view.width);
+    const auto height = static_cast<float>(view.height);
+    const auto as_float = [](double value) { return static_cast<float>(value); };
+    const Eigen::Vector2d middle(0.5 * view.width, 0.5 * view.height);
+    if (!view.is_perspective) {
+        const Eigen::Vector2d at = middle + view.pixels_per_unit * centre_eye.head<2>();
+        const double r = view.pixels_per_unit * radius;
+        return {as_float(at.x() - r),     as_float(at.x() + r),
+                as_float(at.y() - r),     as_float(at.y() + r),
+                as_float(depth - radius), as_float(at.x()),
+                as_float(at.y()),         as_float(r),
+                as_float(depth)};
+    }
+    const double nearest = std::max(depth - radius, view.near_depth);
+    if (depth - radius <= view.near_depth)
+        return {0, width, 0, height, as_float(nearest), 0, 0, 0, 0};
+    const double a = (depth - radius) * (depth + radius);
+    const Eigen::Vector2d xy = centre_eye.head<2>();
+    const Eigen::Vector2d at = middle + view.pixels_per_unit * depth / a * xy;
+    const Eigen::Vector2d extent =
+        view.pixels_per_unit * radius / a * (xy.array().square() + a).sqrt().matrix();
+    // The silhouette is the farthest that is seen; it lies r^2/d before the centre along the view
+    // of it, and r sqrt(1 - (r/d)^2) aside.
+    const double distance = centre_eye.norm();
+    const double sine = radius / distance;
+    const double aside = xy.norm() / distance;
+    const double farthest = depth * (1 - sine * sine) + radius * aside * std::sqrt(1 - sine * sine);
+    return {as_float(at.x() - extent.x()),
+            as_float(at.x() + extent.x()),
+            as_float(at.y() - extent.y()),
+            as_float(at.y() + extent.y()),
+            as_float(nearest),
+            as_float(at.x()),
+            as_float(at.y()),
+            as_float(view.pixels_per_unit * radius / std::sqrt(a)),
+            as_float(std::min(farthest, depth + radius))};
+}
+
+std::vector<std::uint32_t> visible_footprints(std::span<const Footprint> footprints, int width,
+                                              int height) {
+    std::vector<std::uint32_t> order;
+    for (std::uint32_t i = 0; i < footprints.size(); ++i) {
+        const Footprint& f = footprints[i];
+        if (f.x_hi >= 0 && f.y_hi >= 0 && f.x_lo <= static_cast<float>(width) &&
+            f.y_lo <= static_cast<float>(height))
+            order.push_back(i);
+    }
+    tbb::parallel_sort(order, [&](std::uint32_t i, std::uint32_t k) {
+        const float a = footprints[i].nearest_depth;
+        const float b = footprints[k].nearest_depth;
+        return a < b || (a == b && i < k);
+    });
+    const int strips = (height + tile * strip_tiles - 1) / (tile * strip_tiles);
+    std::vector<std::vector<std::uint32_t>> of_strip(static_cast<std::size_t>(strips));
+    const auto strip_of = [&](float y) {
+        return std::clamp(static_cast<int>(std::floor(y / (tile * strip_tiles))), 0, strips - 1);
+    };
+    for (std::uint32_t place = 0; place < order.size(); ++place) {
+        const Footprint& f = footprints[order[place]];
+        const int last = strip_of(f.y_hi + margin_pixels);
+        for (int strip = strip_of(f.y_lo - margin_pixels); strip <= last; ++strip)
+            of_strip[static_cast<std::size_t>(strip)].push_back(place);
+    }
+    std::vector<std::uint8_t> is_seen(order.size() * static_cast<std::size_t>(strips > 0));
+    tbb::parallel_for(0, strips, [&](int strip) {
+        Strip picture(width, height, strip * strip_tiles);
+        for (std::uint32_t& place : of_strip[static_cast<std::size_t>(strip)])
+            if (!picture.sees(footprints[order[place]])) place = ~std::uint32_t{0};
+    });
+    for (const std::vector<std::uint32_t>& places : of_strip)
+        for (const std::uint32_t place : places)
+            if (place != ~std::uint32_t{0}) is_seen[place] = 1;
+    std::vector<std::uint32_t> visible;
+    for (std::size_t place = 0; place < order.size(); ++place)
+        if (is_seen[place] != 0) visible.push_back(order[place]);
+    return visible;
+}
+
+} // namespace isocast

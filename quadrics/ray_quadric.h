@@ -175,14 +175,17 @@ std::optional<QuadricHitOf<Real>> first_hit(const SeenQuadric<Real>& quadric,
 
     std::optional<QuadricHitOf<Real>> hit;
     const auto is_first = [&](Real t) { return t >= t_near && (!hit || t < hit->t); };
-    for (const Real s : roots)
-        if (has_roots && s >= clip.from && s <= clip.to && is_first(t_base + s)) {
-            Vector normal =
-                quadric.local_from_world.transpose() * half_gradient(quadric, Vector(p + k * s));
-            if (normal.isZero(0)) normal = -direction;
-            normal.normalize();
-            hit = {t_base + s, normal, normal.dot(direction) > 0, 0};
-        }
+    for (const int i : {0, 1}) {
+        const Real s = roots[i];
+        if (!has_roots || !(s >= clip.from && s <= clip.to) || !is_first(t_base + s)) continue;
+        Vector normal =
+            quadric.local_from_world.transpose() * half_gradient(quadric, Vector(p + k * s));
+        if (normal.isZero(0)) normal = -direction;
+        // The ray leaves where f increases: by the order of the roots, since the normal of a ray
+        // that grazes may lean to either side.
+        const bool leaves = f.alpha == 0 ? f.beta > 0 : (i == 1) == (f.alpha > 0);
+        hit = {t_base + s, normal.normalized(), leaves, 0};
+    }
     // Caps are tested by the order of the same roots, not by f: no gap at their rims.
     const auto is_within = [&](Real s) {
         if (f.alpha == 0) return f.gamma + 2 * f.beta * s <= 0;

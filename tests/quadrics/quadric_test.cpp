@@ -116,7 +116,8 @@ void check_ray(Tally& tally, const Primitive& primitive, const Vec3d& origin,
     double normal_off = 0;
     if (hit) {
         EXPECT_NEAR(hit->normal.norm(), 1, 8 * rounding<Real>); // a root and a division
-        EXPECT_EQ(hit->is_inside, hit->normal.dot(direction.cast<Real>()) > 0);
+        const double cosine = hit->normal.template cast<double>().dot(direction.normalized());
+        EXPECT_TRUE(std::abs(cosine) < 1e-3 || hit->is_inside == (cosine > 0)) << cosine;
         EXPECT_GE(hit->t, Real(t_near));
     }
     if (is_right && hit) {
@@ -196,14 +197,15 @@ Tally random_rays(std::uint64_t seed, int primitives, int rays_each, Make make) 
     return tally;
 }
 
-/// Four times the 8 roundings off and 8 of the normal that were measured.
+/// Three times the 10.3 roundings off and the 2.8 of normals that were measured.
 constexpr double few_roundings = 32;
+constexpr double few_roundings_of_normals = 9;
 
 void expect_exact(const Tally& tally, const char* what) {
     tally.print(what);
     EXPECT_EQ(tally.wrong, 0);
     EXPECT_LT(tally.worst, few_roundings);
-    EXPECT_LT(tally.worst_normal, few_roundings);
+    EXPECT_LT(tally.worst_normal, few_roundings_of_normals);
     EXPECT_LE(tally.doubtful, 2 + tally.rays / 100);
     EXPECT_GT(tally.hits, tally.rays / 10);
 }
@@ -365,6 +367,8 @@ TEST(QuadricIntersect, RaysThatGrazeAreRightToTheRoundingsOfTheirDistance) {
     for (const Tally& tally : {spheres, cylinders}) {
         EXPECT_EQ(tally.wrong, 0);
         EXPECT_LT(tally.worst, few_roundings);
+        EXPECT_LT(tally.worst_normal, few_roundings_of_normals);
+        EXPECT_EQ(tally.inner, 0); // even where the normal leans away
         // One offset in twelve decades is within 100 roundings at distance 1, of four at 100.
         EXPECT_LT(tally.doubtful, tally.rays / 2);
     }

@@ -404,7 +404,7 @@ TEST(ScreenBounds, WasteLittle) {
     EXPECT_NEAR(sphere.rectangle, 1 - 3.14159265 / 4, 2e-3);
     const Waste ellipsoid = waste_of("ellipsoid", 42, [](Random& r) { return r.ellipsoid(); });
     EXPECT_LT(ellipsoid.rectangle, ellipsoid.square);
-    const Waste stick = waste_of("stick 1 : 10, capped", 43, [](Random& r) {
+    const Waste stick = waste_of("capped stick, 1 : 20", 43, [](Random& r) {
         const Vec3d a = r.in_cube(1);
         return Cylinder{
             .a_world = a, .b_world = a + 1.5 * r.unit(), .radius_world = 0.075, .is_capped = true};

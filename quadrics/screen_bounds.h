@@ -47,7 +47,7 @@ using ScreenBounds = ScreenBoundsOf<double>;
 ///           ellipsoids touch all four sides of theirs, which has sides along the picture's, and so
 ///           do cylinders and cones, with sides along and across the axis; a clipped quadric's is
 ///           that of the corners of its box, cut with that of the quadric where it is an ellipsoid
-/// accuracy  some roundings (float: 3e-7) of the rectangle's farthest side from the middle of the picture,
+/// accuracy  some roundings (float: 3e-7) of the farthest side's place from the picture's middle,
 ///           whatever the size: ScreenBounds.*; it may lack that much, so that whoever rounds to
 ///           pixels adds a part of one
 /// source    Sigg et al. 2006 eqs 3 - 5 (thesis 7.6 - 7.9); the discriminant as a difference that

@@ -1,5 +1,5 @@
-// PDB as the library gemmi reads it. What gemmi passes over is done here: fields that are no
-// numbers (it takes them for 0), CONECT, models without an end.
+// PDB as the library gemmi reads it, of lines that are checked first: gemmi takes fields that are
+// no numbers for 0, passes over CONECT, and reads past the end of short SSBOND and LINK records.
 // SPDX-License-Identifier: MPL-2.0
 #include "quadrics/molecule_parsers.h"
 #include "volume/errors.h"
@@ -20,6 +20,7 @@ struct Link {
 };
 
 struct CheckedLines {
+    std::string text; // for gemmi: lines of 80 columns, blank ones for records that are not needed
     std::vector<Link> links; // CONECT, in the file's order
     std::size_t atom_count = 0;
 };
@@ -37,60 +38,111 @@ bool is_record(std::string_view line, const char* record) {
     return gemmi::pdb_impl::is_record_type(start.c_str(), record);
 }
 
-CheckedLines check_lines(std::string_view bytes, const std::string& name) {
-    CheckedLines checked;
-    int line_number = 0;
-    int model_line = 0; // of the MODEL that has not ended
-    const auto fail = [&](const std::string& cause) {
-        throw InputError(fmt::format("{}:{}: {}", name, line_number, cause));
-    };
-    while (!bytes.empty()) {
-        ++line_number;
-        const std::size_t end = bytes.find('\n');
-        std::string_view line = bytes.substr(0, end);
-        bytes.remove_prefix(end == std::string_view::npos ? bytes.size() : end + 1);
-        if (line.ends_with('\r')) line.remove_suffix(1);
-        if (is_record(line, "ATOM") || is_record(line, "HETATM")) {
-            ++checked.atom_count;
-            if (line.size() < 54)
-                fail(fmt::format("an atom's line ends after {} of at least 54 columns",
-                                 line.size()));
-            for (const std::size_t first : {31, 39, 47}) {
-                const double x = number_or_nan(columns(line, first, first + 7));
-                if (!std::isfinite(x))
-                    fail(fmt::format("the coordinate in columns {} to {} is no number", first,
-                                     first + 7));
-                if (std::abs(x) > largest_coordinate_angstrom)
-                    fail("a coordinate is beyond 1e6 angstrom");
-            }
-            for (const std::size_t first : {55, 61}) {
-                const std::string_view field = trimmed(columns(line, first, first + 5));
-                if (!field.empty() && !std::isfinite(number_or_nan(field)))
-                    fail(fmt::format("the {} in columns {} to {} is no number",
-                                     first == 55 ? "occupancy" : "B-factor", first, first + 5));
-            }
-        } else if (is_record(line, "MODEL")) {
-            if (model_line != 0)
-                fail(fmt::format("the model of line {} has no ENDMDL", model_line));
-            model_line = line_number;
-        } else if (is_record(line, "ENDMDL")) {
-            model_line = 0;
-        } else if (is_record(line, "CONECT")) {
-            std::string padded(line);
-            padded.resize(32, ' ');
-            const int from = gemmi::pdb_impl::read_serial(padded.data() + 6);
-            for (const std::size_t at : {11, 16, 21, 26}) // beyond these stood hydrogen bonds
-                if (!trimmed(std::string_view(padded).substr(at, 5)).empty())
-                    checked.links.push_back({from, gemmi::pdb_impl::read_serial(&padded[at])});
-        } else if (is_record(line, "END ")) {
-            break;
+constexpr std::size_t last_needed_column = 78; // the element; then the charge, which may be garbage
+
+class LineChecker {
+public:
+    explicit LineChecker(const std::string& name) : name_(name) {}
+
+    CheckedLines check(std::string_view bytes) {
+        while (!bytes.empty() && !is_at_end_) {
+            ++line_number_;
+            const std::size_t end = bytes.find('\n');
+            std::string_view line = bytes.substr(0, end);
+            bytes.remove_prefix(end == std::string_view::npos ? bytes.size() : end + 1);
+            if (line.ends_with('\r')) line.remove_suffix(1);
+            std::string kept =
+                check_line(line) ? std::string(line.substr(0, last_needed_column)) : "";
+            kept.resize(80, ' ');
+            // gemmi would take blanks for an occupancy of 0.
+            if (is_atom(kept) && trimmed(columns(kept, 55, 60)).empty())
+                kept.replace(54, 6, "  1.00");
+            checked_.text += kept;
+            checked_.text += '\n';
         }
+        if (model_line_ != 0)
+            throw InputError(fmt::format(
+                "{}: the file ends before the ENDMDL of the model of line {}", name_, model_line_));
+        return std::move(checked_);
     }
-    if (model_line != 0)
-        throw InputError(fmt::format("{}: the file ends before the ENDMDL of the model of line {}",
-                                     name, model_line));
-    return checked;
-}
+
+private:
+    [[noreturn]] void fail(const std::string& cause) const {
+        throw InputError(fmt::format("{}:{}: {}", name_, line_number_, cause));
+    }
+
+    static bool is_atom(std::string_view line) {
+        return is_record(line, "ATOM") || is_record(line, "HETATM");
+    }
+
+    double number_in(std::string_view line, std::size_t first, std::size_t last,
+                     const char* what) const {
+        const double value = number_or_nan(columns(line, first, last));
+        if (!std::isfinite(value))
+            fail(fmt::format("the {} in columns {} to {} is no number", what, first, last));
+        return value;
+    }
+
+    /// Whether gemmi is to read it.
+    bool check_line(std::string_view line) {
+        if (is_atom(line)) {
+            ++checked_.atom_count;
+            check_atom(line);
+            return true;
+        }
+        if (is_record(line, "MODEL")) {
+            if (model_line_ != 0)
+                fail(fmt::format("the model of line {} has no ENDMDL", model_line_));
+            model_line_ = line_number_;
+            if (!whole_number(columns(line, 11, 14))) fail("the model has no number");
+            return true;
+        }
+        if (is_record(line, "ENDMDL")) {
+            model_line_ = 0;
+            return true;
+        }
+        if (is_record(line, "CONECT")) {
+            append_links(line);
+            return false;
+        }
+        if (is_record(line, "REMARK")) {
+            if (whole_number(columns(line, 8, 10)) != 350) return false;
+            if (columns(line, 14, 18) == "BIOMT") // a row of an operator of an assembly
+                for (const std::size_t first : {24, 34, 44, 59})
+                    number_in(line, first, first + 9, "number");
+            return true;
+        }
+        if (is_record(line, "END ")) is_at_end_ = true;
+        return is_record(line, "TER ") || is_record(line, "TITLE") || is_record(line, "HEADER");
+    }
+
+    void check_atom(std::string_view line) const {
+        if (line.size() < 54)
+            fail(fmt::format("an atom's line ends after {} of at least 54 columns", line.size()));
+        for (const std::size_t first : {31, 39, 47})
+            if (std::abs(number_in(line, first, first + 7, "coordinate")) >
+                largest_coordinate_angstrom)
+                fail("a coordinate is beyond 1e6 angstrom");
+        for (const std::size_t first : {55, 61})
+            if (!trimmed(columns(line, first, first + 5)).empty())
+                number_in(line, first, first + 5, first == 55 ? "occupancy" : "B-factor");
+    }
+
+    void append_links(std::string_view line) {
+        std::string padded(line);
+        padded.resize(32, ' ');
+        const int from = gemmi::pdb_impl::read_serial(&padded[6]);
+        for (const std::size_t at : {11, 16, 21, 26}) // beyond these stood hydrogen bonds
+            if (!trimmed(std::string_view(padded).substr(at, 5)).empty())
+                checked_.links.push_back({from, gemmi::pdb_impl::read_serial(&padded[at])});
+    }
+
+    const std::string& name_;
+    CheckedLines checked_;
+    int line_number_ = 0;
+    int model_line_ = 0; // of the MODEL that has not ended
+    bool is_at_end_ = false;
+};
 
 Eigen::Affine3d map_of(const gemmi::Transform& transform) {
     Eigen::Affine3d map;
@@ -136,10 +188,10 @@ void append_links(MoleculeFile& file, const std::vector<Link>& links,
 } // namespace
 
 MoleculeFile parse_pdb(std::string_view bytes, const std::string& name) {
-    const CheckedLines checked = check_lines(bytes, name);
+    const CheckedLines checked = LineChecker(name).check(bytes);
     gemmi::Structure structure;
     try {
-        structure = gemmi::read_pdb_from_memory(bytes.data(), bytes.size(), name);
+        structure = gemmi::read_pdb_from_memory(checked.text.data(), checked.text.size(), name);
     } catch (const std::exception& error) {
         throw InputError(fmt::format("{}: {}", name, error.what()));
     }

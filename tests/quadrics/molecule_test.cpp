@@ -90,6 +90,30 @@ TEST(MoleculeFiles, ExtensionsAreKnownInAnyCase) {
     EXPECT_THAT(error_of(".mol2", "x"), HasSubstr("known: .pdb"));
 }
 
+TEST(MoleculeFiles, PdbLinesMayEndAfterTheCoordinates) {
+    const Molecule molecule =
+        read_text(".pdb", "ATOM      1  CA  ALA A   1       1.000   2.000   3.000\n"
+                          "HETATM    2 CA    CA A   2       1.000   2.000   9.000\n");
+    ASSERT_THAT(molecule.atoms, SizeIs(2));
+    EXPECT_EQ(molecule.atoms[0].element, 6); // by the columns of the name
+    EXPECT_EQ(molecule.atoms[1].element, 20);
+    EXPECT_EQ(molecule.atoms[0].position, Vec3d(1, 2, 3));
+    EXPECT_EQ(molecule.atoms[0].occupancy, 1);
+    EXPECT_EQ(molecule.atoms[0].b_factor, 0);
+}
+
+// gemmi 0.5.7 read past the end of such records; a copy of the fuzz test showed it.
+TEST(MoleculeFiles, PdbRecordsThatAreNotNeededMayBeGarbage) {
+    const std::string text = pdb_text(alanine_dipeptide());
+    for (const char* garbage :
+         {"SSBOND   1 ALA A    2    ALA A    2                          1555   1555 n", "LINK\n",
+          "LINK         C   ACE A   1                 N   ALA A   2     1555   1555 i", "ANISOU",
+          "AUTHOR    ,", "CRYST1    x", "SEQRES", "HELIX", "SHEET", "DBREF "})
+        EXPECT_EQ(pairs_of(read_text(".pdb", garbage + ("\n" + text)).bonds),
+                  alanine_dipeptide_bonds)
+            << garbage;
+}
+
 TEST(MoleculeFiles, XyzTakesAtomicNumbersFurtherColumnsAndFrames) {
     const std::string text = "2\nfirst\n6 0 0 0 0.5 x\nFE +2 0 1e0\n\n1\nsecond\nd 1 2 3\n\n";
     const Molecule first = read_text(".xyz", text);
@@ -395,6 +419,12 @@ TEST(MoleculeErrors, NameTheFileTheLineAndTheCause) {
                 HasSubstr("a.pdb:2: the occupancy"));
     EXPECT_THAT(error_of(".pdb", pdb.substr(0, pdb.size() - 50)),
                 HasSubstr("a.pdb:23: an atom's line ends after"));
+    EXPECT_THAT(
+        error_of(".pdb", "REMARK 350 BIOMOLECULE: 1\n"
+                         "REMARK 350 APPLY THE FOLLOWING TO CHAINS: A\n"
+                         "REMARK 350   BIOMT1   1  1.000000  0.000000  0.0000x0  0.00000\n" +
+                             pdb),
+        HasSubstr("a.pdb:3: the number in columns 44 to 53 is no number"));
     std::vector<Atom> atoms = alanine_dipeptide();
     const std::string models = pdb_atoms(atoms, true);
     EXPECT_THAT(error_of(".pdb", models.substr(0, models.size() - 7)),

@@ -1,12 +1,14 @@
-// mmCIF: the library gemmi reads the syntax, this file the categories that matter here.
+// mmCIF: cif_tables reads the syntax, this file the categories that matter here.
 // SPDX-License-Identifier: MPL-2.0
+#include "quadrics/cif_tables.h"
 #include "quadrics/elements.h"
 #include "quadrics/molecule_parsers.h"
 #include "volume/errors.h"
 
 #include <fmt/format.h>
-#include <gemmi/cif.hpp>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <unordered_map>
 
@@ -14,16 +16,18 @@ namespace isocast {
 
 namespace {
 
-using Row = gemmi::cif::Table::Row;
+using Row = std::vector<std::string>;
 
 // An icosahedral capsid has 60 operators, a helical one some hundreds.
 constexpr std::size_t most_operators = 100'000;
 
-/// The first of these columns that is there and not '.' or '?', without quotes; else empty.
-std::string text_of(const Row& row, std::initializer_list<int> columns) {
+/// The first of these columns that says something; else empty.
+const std::string& text_of(const Row& row, std::initializer_list<int> columns) {
+    static const std::string nothing;
     for (const int column : columns)
-        if (row.has2(static_cast<std::size_t>(column))) return row.str(column);
-    return {};
+        if (const std::string& cell = row[static_cast<std::size_t>(column)]; !cell.empty())
+            return cell;
+    return nothing;
 }
 
 /// CIF numbers may end in their uncertainty: 1.234(5).
@@ -35,17 +39,17 @@ double number_of(const std::string& text) {
 
 class MmcifFile {
 public:
-    MmcifFile(gemmi::cif::Block& block, const std::string& name) : block_(block), name_(name) {}
+    MmcifFile(const CifDocument& document, const std::string& name)
+        : document_(document), name_(name) {}
 
     MoleculeFile parse() {
         read_atoms();
         read_connections();
         read_operators();
         read_assemblies();
-        file_.title = block_.name;
-        for (const char* tag : {"_entry.id", "_struct.title"})
-            if (const std::string* value = block_.find_value(tag))
-                if (!gemmi::cif::is_null(*value)) file_.title = gemmi::cif::as_string(*value);
+        for (const std::string& title : {document_.value("_struct.title"),
+                                         document_.value("_entry.id"), document_.block_name()})
+            if (file_.title.empty()) file_.title = title;
         return std::move(file_);
     }
 
@@ -55,10 +59,6 @@ private:
     }
 
     [[noreturn]] static void fail_assembly(const std::string& cause) { throw InputError(cause); }
-
-    int line_of(gemmi::cif::Table& table) const {
-        return table.loop_item ? table.loop_item->line_number : 0;
-    }
 
     void read_atoms() {
         enum {
@@ -81,16 +81,16 @@ private:
             B,
             Model
         };
-        gemmi::cif::Table table = block_.find(
+        const CifTable table = document_.table(
             "_atom_site.",
             {"Cartn_x", "Cartn_y", "Cartn_z", "?group_PDB", "?type_symbol", "?label_atom_id",
              "?auth_atom_id", "?label_alt_id", "?label_comp_id", "?auth_comp_id", "?label_asym_id",
              "?auth_asym_id", "?auth_seq_id", "?label_seq_id", "?pdbx_PDB_ins_code", "?occupancy",
              "?B_iso_or_equiv", "?pdbx_PDB_model_num"});
-        if (!table.ok()) fail("_atom_site", "Cartn_x, Cartn_y or Cartn_z is missing");
-        const int line = line_of(table);
+        if (!table.is_there) fail("_atom_site", "Cartn_x, Cartn_y or Cartn_z is missing");
+        const int line = table.line;
         int count = 0;
-        for (const Row row : table) {
+        for (const Row& row : table.rows) {
             ++count;
             const auto fail_here = [&](const std::string& cause) {
                 fail(fmt::format("atom {} of the _atom_site table of line {}", count, line), cause);
@@ -164,14 +164,14 @@ private:
             Symmetry2,
             Order
         };
-        gemmi::cif::Table table = block_.find(
+        const CifTable table = document_.table(
             "_struct_conn.",
             {"conn_type_id", "?ptnr1_auth_asym_id", "?ptnr2_auth_asym_id", "?ptnr1_label_asym_id",
              "?ptnr2_label_asym_id", "ptnr1_label_atom_id", "ptnr2_label_atom_id",
              "?pdbx_ptnr1_label_alt_id", "?pdbx_ptnr2_label_alt_id", "?ptnr1_auth_seq_id",
              "?ptnr2_auth_seq_id", "?pdbx_ptnr1_PDB_ins_code", "?pdbx_ptnr2_PDB_ins_code",
              "?ptnr1_symmetry", "?ptnr2_symmetry", "?pdbx_value_order"});
-        if (!table.ok() || table.length() == 0) return;
+        if (table.rows.empty()) return;
         std::unordered_map<std::string, std::vector<int>> atoms_of;
         std::vector<int> models;
         for (std::size_t i = 0; i < file_.atoms.size(); ++i) {
@@ -184,7 +184,7 @@ private:
         std::sort(models.begin(), models.end());
         models.erase(std::unique(models.begin(), models.end()), models.end());
         int count = 0;
-        for (const Row row : table) {
+        for (const Row& row : table.rows) {
             ++count;
             const std::string type = text_of(row, {Type});
             if (type.starts_with("hydrog") || type.starts_with("salt") || type.starts_with("mism"))
@@ -205,7 +205,7 @@ private:
                 // 100: more alternative locations than there are letters for.
                 if (ends[0]->size() > 100 || ends[1]->size() > 100)
                     fail(fmt::format("row {} of the _struct_conn table of line {}", count,
-                                     line_of(table)),
+                                     table.line),
                          "it names an atom that is there more than 100 times");
                 for (const int i : *ends[0])
                     for (const int j : *ends[1])
@@ -226,8 +226,8 @@ private:
                 tags.push_back(fmt::format("matrix[{}][{}]", row, column));
             tags.push_back(fmt::format("vector[{}]", row));
         }
-        gemmi::cif::Table table = block_.find("_pdbx_struct_oper_list.", tags);
-        for (const Row row : table) {
+        const CifTable table = document_.table("_pdbx_struct_oper_list.", tags);
+        for (const Row& row : table.rows) {
             Eigen::Affine3d map;
             for (int i = 0; i < 3; ++i)
                 for (int j = 0; j < 4; ++j) map(i, j) = number_of(text_of(row, {1 + 4 * i + j}));
@@ -297,9 +297,9 @@ private:
     }
 
     void read_assemblies() {
-        gemmi::cif::Table table = block_.find("_pdbx_struct_assembly_gen.",
-                                              {"assembly_id", "oper_expression", "asym_id_list"});
-        for (const Row row : table) {
+        const CifTable table = document_.table("_pdbx_struct_assembly_gen.",
+                                               {"assembly_id", "oper_expression", "asym_id_list"});
+        for (const Row& row : table.rows) {
             const std::string assembly_name = text_of(row, {0});
             const auto same =
                 std::find_if(file_.assemblies.begin(), file_.assemblies.end(),
@@ -328,7 +328,7 @@ private:
         return residue == "HOH" || residue == "DOD" || residue == "WAT" || residue == "H2O";
     }
 
-    gemmi::cif::Block& block_;
+    const CifDocument& document_;
     const std::string& name_;
     std::unordered_map<std::string, Eigen::Affine3d> operators_;
     MoleculeFile file_;
@@ -337,14 +337,13 @@ private:
 } // namespace
 
 MoleculeFile parse_mmcif(std::string_view bytes, const std::string& name) {
-    gemmi::cif::Document document;
+    std::optional<CifDocument> document;
     try {
-        document = gemmi::cif::read_memory(bytes.data(), bytes.size(), name.c_str());
+        document.emplace(bytes.data(), bytes.size(), name);
     } catch (const std::exception& error) { // its message starts with the file and the line
         throw InputError(error.what());
     }
-    for (gemmi::cif::Block& block : document.blocks)
-        if (block.has_tag("_atom_site.Cartn_x")) return MmcifFile(block, name).parse();
+    if (document->choose_block("_atom_site.Cartn_x")) return MmcifFile(*document, name).parse();
     throw InputError(
         fmt::format("{}: no _atom_site.Cartn_x (small-molecule CIF is another format)", name));
 }

@@ -7,12 +7,15 @@
 #include "apps/verdict_json.h"
 #include "apps/volume_report.h"
 #include "distance_transform/prism.h"
+#include "quadrics/molecule.h"
 #include "volume/errors.h"
 #include "volume/files.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
+
+#include <algorithm>
 
 namespace isocast {
 
@@ -214,12 +217,45 @@ void describe_file(const InfoCommand& command, const Input& input) {
     for (std::size_t i = 0; i < grids.size(); ++i) print(grids[i], values[i]);
 }
 
+void describe_molecule(const InfoCommand& command, const Molecule& molecule) {
+    std::vector<std::string> chains; // in the order of their first atoms
+    Eigen::AlignedBox3d box;
+    std::size_t waters = 0;
+    for (const Atom& atom : molecule.atoms) {
+        if (std::ranges::find(chains, atom.chain) == chains.end()) chains.push_back(atom.chain);
+        box.extend(atom.position);
+        waters += atom.is_water ? 1 : 0;
+    }
+    if (command.json) {
+        print_json({{"input", command.input},
+                    {"kind", "molecule"},
+                    {"title", molecule.title},
+                    {"atoms", molecule.atoms.size()},
+                    {"of_waters", waters},
+                    {"bonds", molecule.bonds.size()},
+                    {"chains", chains},
+                    {"box_angstrom",
+                     {{box.min().x(), box.min().y(), box.min().z()},
+                      {box.max().x(), box.max().y(), box.max().z()}}}});
+        return;
+    }
+    fmt::print("{}: a molecule\n", command.input);
+    if (!molecule.title.empty()) fmt::print("  {}\n", molecule.title);
+    fmt::print("  {} atoms, {} of them of waters; {} bonds; model {}\n", molecule.atoms.size(),
+               waters, molecule.bonds.size(), molecule.atoms.front().model);
+    fmt::print("  chains {}\n", fmt::join(chains, ", "));
+    const Vec3d size = box.sizes();
+    fmt::print("  {:.1f} x {:.1f} x {:.1f} angstrom\n", size.x(), size.y(), size.z());
+}
+
 void run(const InfoCommand& command, Console& console) {
     const Input input = input_from(command.input);
     if (input.is_mesh())
         describe_mesh(command, read_checked_mesh(input), console);
     else if (input.kind == Input::Kind::BuiltinField)
         describe_field(command, *read_field(input));
+    else if (input.kind == Input::Kind::MoleculeFile)
+        describe_molecule(command, read_molecule(input.name, {.waters = true}));
     else
         describe_file(command, input);
 }
@@ -230,7 +266,8 @@ Verb info_verb(CLI::App& program) {
     CLI::App* app = program.add_subcommand("info", "Say what a mesh, field or volume holds");
     const auto command = std::make_shared<InfoCommand>();
     app->add_option("IN", command->input,
-                    "Mesh (.obj .ply .stl .off, mesh:NAME), field (.vdb, FILE.vdb:GRID, "
+                    "Mesh (.obj .ply .stl .off, mesh:NAME), molecule (.pdb .ent .cif .mmcif .xyz), "
+                    "field (.vdb, FILE.vdb:GRID, "
                     "field:NAME@N) or volume (.nrrd .nhdr .mhd .mha .nii .nii.gz)")
         ->required();
     app->add_flag("--prisms", command->prisms,

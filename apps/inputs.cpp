@@ -3,6 +3,7 @@
 
 #include "distance_transform/mesh_files.h"
 #include "distance_transform/sample_meshes.h"
+#include "quadrics/molecule.h"
 #include "volume/analytic_fields.h"
 #include "volume/atomic_file.h"
 #include "volume/errors.h"
@@ -43,6 +44,10 @@ Input builtin_field_from(const std::string& text) {
 
 } // namespace
 
+const char* Input::what() const {
+    return is_mesh() ? "a mesh" : is_field() ? "a field" : "a molecule";
+}
+
 Input input_from(const std::string& text) {
     if (text.starts_with("mesh:"))
         return {.kind = Input::Kind::SampleMesh, .text = text, .name = text.substr(5)};
@@ -60,16 +65,20 @@ Input input_from(const std::string& text) {
         throw InputError(fmt::format("{}: no such file", input.name));
     if (is_field_file(input.name))
         input.kind = Input::Kind::FieldFile;
+    else if (is_molecule_file(input.name))
+        input.kind = Input::Kind::MoleculeFile;
     else if (!is_mesh_file(input.name))
-        throw InputError(fmt::format("{}: neither a field file ({}) nor a mesh file ({})",
-                                     input.name, field_file_extensions(), mesh_file_extensions()));
+        throw InputError(fmt::format(
+            "{}: neither a field file ({}) nor a mesh file ({}) nor a molecule file ({})",
+            input.name, field_file_extensions(), mesh_file_extensions(),
+            molecule_file_extensions()));
     return input;
 }
 
 CheckedMesh read_checked_mesh(const Input& input) {
     if (!input.is_mesh())
-        throw InputError(fmt::format("{}: a field; a mesh is needed ({}, or mesh:NAME)", input.text,
-                                     mesh_file_extensions()));
+        throw InputError(fmt::format("{}: {}; a mesh is needed ({}, or mesh:NAME)", input.text,
+                                     input.what(), mesh_file_extensions()));
     const Mesh mesh =
         input.kind == Input::Kind::MeshFile ? read_mesh(input.name) : sample_mesh(input.name);
     try {
@@ -80,6 +89,9 @@ CheckedMesh read_checked_mesh(const Input& input) {
 }
 
 std::unique_ptr<FieldSource> read_field(const Input& input, double memory_bytes) {
+    if (!input.is_field())
+        throw InputError(fmt::format("{}: {}; a field is needed ({}, or field:NAME@N)", input.text,
+                                     input.what(), field_file_extensions()));
     if (input.kind == Input::Kind::FieldFile)
         return read_field(input.name, input.grid, memory_bytes);
     return sampled(builtin_field(input.name), input.samples_per_axis);

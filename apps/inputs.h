@@ -1,4 +1,4 @@
-// What the words of a command line name: meshes, fields and outputs.
+// What the words of a command line name: meshes, fields, molecules and outputs.
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
@@ -19,9 +19,9 @@ struct UsageError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// A mesh or a field, by file or by built-in name. Nothing has been read yet.
+/// A mesh, a field or a molecule, by file or by built-in name. Nothing has been read yet.
 struct Input {
-    enum class Kind { MeshFile, SampleMesh, FieldFile, BuiltinField };
+    enum class Kind { MeshFile, SampleMesh, FieldFile, BuiltinField, MoleculeFile };
     Kind kind = Kind::MeshFile;
     std::string text = {};     // as the user wrote it
     std::string name = {};     // path or built-in name
@@ -29,14 +29,19 @@ struct Input {
     int samples_per_axis = 64; // of a built-in field
 
     bool is_mesh() const { return kind == Kind::MeshFile || kind == Kind::SampleMesh; }
+    bool is_field() const { return kind == Kind::FieldFile || kind == Kind::BuiltinField; }
+    /// "a mesh", "a field" or "a molecule".
+    const char* what() const;
 };
 
-/// Understands `mesh:NAME`, `field:NAME@N`, a mesh file, a field file and `FILE:GRID`.
+/// Understands `mesh:NAME`, `field:NAME@N`, a mesh file, a field file, `FILE:GRID`
+/// and a molecule file.
 /// throws  InputError if it is none of these or the file does not exist
 Input input_from(const std::string& text);
 
 /// throws  InputError that names the input and the cause
 CheckedMesh read_checked_mesh(const Input& input);
+/// throws        InputError that names the input and the cause
 /// memory_bytes  what the samples of a file may take before they go to a scratch file
 std::unique_ptr<FieldSource> read_field(const Input& input,
                                         double memory_bytes = default_field_bytes());

@@ -194,8 +194,9 @@ CLI::App* add_render_options(CLI::App& program, RenderCommand& command) {
         program.add_subcommand("render", "Draw a scene, or the isosurfaces of fields and meshes");
     app->add_option("IN", command.inputs,
                     "Scene (.toml); or fields (.vdb .nrrd .nhdr .mhd .mha .nii .nii.gz, "
-                    "FILE.vdb:GRID, field:NAME@N) and meshes (.obj .ply .stl .off, mesh:NAME), "
-                    "which are converted on the way, all in one picture")
+                    "FILE.vdb:GRID, field:NAME@N), meshes (.obj .ply .stl .off, mesh:NAME), "
+                    "which are converted on the way, and molecules (.pdb .ent .cif .mmcif .xyz), "
+                    "all in one picture")
         ->required();
     app->add_option("-o,--output", command.output, "Picture to write (.png, .exr)")
         ->required()
@@ -238,11 +239,14 @@ SceneFile scene_of(const RenderCommand& command) {
     } else {
         for (const std::string& input : command.inputs) {
             SceneObject& object = scene.objects.emplace_back();
-            (input_from(input).is_mesh() ? object.mesh : object.field) = input;
+            const Input found = input_from(input);
+            (found.is_mesh()    ? object.mesh
+             : found.is_field() ? object.field
+                                : object.molecule) = input;
         }
         if (command.resolution &&
             std::ranges::all_of(scene.objects, &std::string::empty, &SceneObject::mesh))
-            throw UsageError(fmt::format("--resolution: {} is a field already", command.input()));
+            throw UsageError(fmt::format("--resolution: {} is no mesh", command.input()));
     }
     for (const std::string& setting : command.settings) {
         try {

@@ -98,6 +98,10 @@ void print_json(const RenderReport& report) {
                            {"voxel_size", object.field->space().voxel_size_world()},
                            {"filter", filter_name(object.filter)}});
     }
+    Json primitives; // null without any
+    if (report.loaded.primitives)
+        primitives = {{"spheres", report.loaded.primitives->spheres.size()},
+                      {"cylinders", report.loaded.primitives->cylinders.size()}};
     const BrickTotals bricks = totals_of(report);
     Json coarse; // null unless bricks were coarsened
     if (bricks.coarse_of > 0)
@@ -118,16 +122,18 @@ void print_json(const RenderReport& report) {
         {"size", {report.scene.output.width, report.scene.output.height}},
         {"frames", report.frame_count},
         {"objects", objects},
+        {"primitives", primitives},
         {"asked", asked_for(report.scene)},
         {"passes", passes},
         {"idle_passes", idle},
         {"programs", frame.programs_compiled},
-        {"texture_bytes", frame.image_bytes + frame.field_bytes + frame.look_bytes},
+        {"texture_bytes",
+         frame.image_bytes + frame.field_bytes + frame.splat_bytes + frame.look_bytes},
         {"look_bytes", frame.look_bytes},
         {"notes", frame.notes},
         {"bricks",
          {{"resident", bricks.resident}, {"active", bricks.active}, {"loaded", bricks.loaded}}},
-        {"fetch", fetch_name(report.fetch.fetch)},
+        {"fetch", report.fetch ? Json(fetch_name(report.fetch->fetch)) : Json()},
         {"coarse_bricks", coarse},
         {"storage_error", bricks.storage_error}, // of a sample, world units
         {"seconds",
@@ -161,25 +167,36 @@ void explain(const RenderReport& report) {
         frame.programs_compiled, double(frame.image_bytes) / mib, double(frame.field_bytes) / mib,
         double(frame.look_bytes) / mib);
     for (const std::string& note : frame.notes) fmt::print("{}\n", note);
-    fmt::print(
-        "{} of {} bricks on the GPU, {} loaded; stored samples err by {:.2g} voxel at most\n",
-        bricks.resident, bricks.active, bricks.loaded, bricks.storage_error_voxels);
+    if (report.loaded.primitives)
+        fmt::print("{} spheres, {} cylinders: {:.2f} MiB on the GPU of those that can be seen\n",
+                   report.loaded.primitives->spheres.size(),
+                   report.loaded.primitives->cylinders.size(), double(frame.splat_bytes) / mib);
+    if (!report.loaded.objects.empty())
+        fmt::print(
+            "{} of {} bricks on the GPU, {} loaded; stored samples err by {:.2g} voxel at most\n",
+            bricks.resident, bricks.active, bricks.loaded, bricks.storage_error_voxels);
     if (bricks.coarse_of > 0)
         fmt::print(
             "{} bricks of 8^3 cells, {} of 4^3, {} of 2^3, {} of 1: the field errs by {:.2g} "
             "voxel at most near the surface\n",
             bricks.coarse_levels[0], bricks.coarse_levels[1], bricks.coarse_levels[2],
             bricks.coarse_levels[3], bricks.coarse_residual_voxels);
-    fmt::print("fetches {}: {}\n", fetch_name(report.fetch.fetch), report.fetch.reason);
+    if (report.fetch)
+        fmt::print("fetches {}: {}\n", fetch_name(report.fetch->fetch), report.fetch->reason);
 }
 
 void print(const RenderReport& report) {
     const RenderSeconds& seconds = report.seconds;
     const OutputSpec& output = report.scene.output;
-    fmt::print("{}: {}{} x {} pixels by {} ({}), {} bricks\n", report.command.output.string(),
+    std::vector<std::string> drawn;
+    if (!report.loaded.objects.empty())
+        drawn.push_back(fmt::format("{} bricks", totals_of(report).active));
+    if (report.loaded.primitives)
+        drawn.push_back(fmt::format("{} primitives", report.loaded.primitives->count()));
+    fmt::print("{}: {}{} x {} pixels by {} ({}), {}\n", report.command.output.string(),
                output.frames ? fmt::format("{} frames of ", report.frame_count) : "", output.width,
                output.height, report.driver.renderer, report.driver.backend,
-               totals_of(report).active);
+               fmt::join(drawn, ", "));
     fmt::print("{:.2f} s: field {:.2f}, context {:.2f}, load {:.2f}, draw {:.2f}, write {:.2f}\n",
                seconds.total, seconds.field, seconds.context, seconds.load, seconds.draw,
                seconds.write);

@@ -21,8 +21,8 @@ struct RenderReport {
     const SceneFile& scene;
     const gl::DriverInfo& driver;
     const Renderer& renderer;
-    FetchChoice fetch;
-    const Scene& loaded; // its objects are those of the renderer
+    std::optional<FetchChoice> fetch; // if there are fields
+    const Scene& loaded;              // its objects are those of the renderer
     int frame_count = 1;
     FrameReport frame; // the last one's
     std::vector<std::string> warnings;

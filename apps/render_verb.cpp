@@ -116,7 +116,7 @@ private:
         loaded_ = composed(now);
         loaded_.look = look_of(now, is_opaque(now, command_.output));
         seconds_.field += step_.lap();
-        if (!fetch_) {
+        if (!fetch_ && !loaded_.objects.empty()) {
             // Where one needs Catmull-Rom's, fetches must serve that.
             const auto hardest =
                 std::ranges::max_element(loaded_.objects, {}, [](const FieldObject& object) {
@@ -124,7 +124,7 @@ private:
                 });
             fetch_ = choose_fetch(*renderer_, context_->driver(), hardest->filter, loaded_.storage);
         }
-        loaded_.storage.fetch = fetch_->fetch;
+        if (fetch_) loaded_.storage.fetch = fetch_->fetch;
         renderer_->load(loaded_, progress_);
         renderer_->set_look_numbers(std::move(numbers));
         seconds_.load += step_.lap();
@@ -202,7 +202,7 @@ private:
                                   .scene = scene_,
                                   .driver = context_->driver(),
                                   .renderer = *renderer_,
-                                  .fetch = *fetch_,
+                                  .fetch = fetch_,
                                   .loaded = loaded_,
                                   .frame_count = frames_.count(),
                                   .frame = frame,

@@ -4,6 +4,7 @@
 
 #include "apps/camera_spec.h"
 #include "apps/exr_layers.h"
+#include "quadrics/molecule_styles.h"
 #include "raycaster/scene.h"
 #include "volume/placed_field.h"
 
@@ -14,8 +15,8 @@
 
 namespace isocast {
 
-/// A field, and how it is drawn. One of field, mesh, csg, morph and series says where it comes
-/// from.
+/// A field, and how it is drawn; or a molecule. One of field, mesh, csg, morph, series and molecule
+/// says where it comes from.
 struct SceneObject {
     enum class Csg { Union, Intersection, Difference };
     std::string name;
@@ -27,6 +28,10 @@ struct SceneObject {
     double t = 0;               // morph: 0 is the first, 1 the second
     std::string series;         // a file name with a place for a number, as field_series has it
     std::optional<double> time; // of the series; else that of its first file
+
+    std::string molecule;       // file
+    MoleculeOptions atoms;      // of it
+    MoleculeLook molecule_look; // of it
 
     std::optional<int> resolution; // of meshes
     double band_voxels = 3;        // of meshes, half width

@@ -21,17 +21,18 @@ constexpr Range guarantee{1e-4, 1};
 // 64: beyond 512 fine samples per voxel float positions do not resolve them.
 constexpr Range rate{0, 64, true};
 
-/// A field or a mesh that exists; it is read when it is drawn.
-SceneKey input(std::string name, std::string SceneObject::*member, bool is_mesh, std::string help) {
-    return special(std::move(name), is_mesh ? "file or mesh:NAME" : "file or field:NAME@N", "",
-                   std::move(help),
-                   [member, is_mesh](SceneFile& scene, std::size_t i, const SceneValue& value,
-                                     const Path& folder) {
+/// Something that exists; it is read when it is drawn.
+///
+/// what  as Input::what() says
+SceneKey input(std::string name, std::string SceneObject::*member, std::string_view what,
+               std::string type, std::string help) {
+    return special(std::move(name), std::move(type), "", std::move(help),
+                   [member, what](SceneFile& scene, std::size_t i, const SceneValue& value,
+                                  const Path& folder) {
                        const std::string path = resolved(text_of(value), folder);
-                       if (input_from(path).is_mesh() != is_mesh)
+                       if (const Input found = input_from(path); found.what() != what)
                            throw InputError(
-                               fmt::format("{} is a {}", path,
-                                           is_mesh ? "field, not a mesh" : "mesh, not a field"));
+                               fmt::format("{} is {}, not {}", path, found.what(), what));
                        scene.objects[i].*member = path;
                    });
 }
@@ -120,14 +121,21 @@ SceneTable object_table() {
         within([](SceneFile& file, std::size_t i) -> SceneObject& { return file.objects[i]; });
     constexpr auto placement = within(
         [](SceneFile& file, std::size_t i) -> Placement& { return file.objects[i].placement; });
+    constexpr auto molecule_look = within([](SceneFile& file, std::size_t i) -> MoleculeLook& {
+        return file.objects[i].molecule_look;
+    });
+    constexpr auto atoms = within(
+        [](SceneFile& file, std::size_t i) -> MoleculeOptions& { return file.objects[i].atoms; });
     using Csg = SceneObject::Csg;
     return {
         "object",
-        "What is drawn. One of field, mesh, csg, morph and series says where the field comes from. "
+        "What is drawn. One of field, mesh, csg, morph, series and molecule says what it is. "
         "Objects that another one is made of are not drawn themselves.",
         {text("name", object(&SceneObject::name), "By which others refer to it"),
-         input("field", &SceneObject::field, false, "A field, with FILE:GRID for one of its grids"),
-         input("mesh", &SceneObject::mesh, true, "A mesh, converted to a field"),
+         input("field", &SceneObject::field, "a field", "file or field:NAME@N",
+               "A field, with FILE:GRID for one of its grids"),
+         input("mesh", &SceneObject::mesh, "a mesh", "file or mesh:NAME",
+               "A mesh, converted to a field"),
          choice("csg", object(&SceneObject::csg),
                 Names<Csg>{{"union", Csg::Union},
                            {"intersection", Csg::Intersection},
@@ -152,6 +160,34 @@ SceneTable object_table() {
          number("time", object(&SceneObject::time), {},
                 "A number of `series`, or between two: their fields are blended; the first unless "
                 "said"),
+         input("molecule", &SceneObject::molecule, "a molecule", "file",
+               "Atoms and bonds from .pdb, .ent, .cif, .mmcif or .xyz; world units are angstrom"),
+         choice("style", molecule_look(&MoleculeLook::style),
+                Names<MoleculeStyle>{{"balls-and-sticks", MoleculeStyle::BallsAndSticks},
+                                     {"space-filling", MoleculeStyle::SpaceFilling},
+                                     {"licorice", MoleculeStyle::Licorice}},
+                "Molecules: how atoms and bonds are drawn"),
+         choice("colours", molecule_look(&MoleculeLook::colours),
+                Names<MoleculeColours>{{"element", MoleculeColours::Element},
+                                       {"chain", MoleculeColours::Chain},
+                                       {"residue", MoleculeColours::Residue},
+                                       {"b-factor", MoleculeColours::BFactor}},
+                "Molecules: what colours mean"),
+         number("ball_scale", molecule_look(&MoleculeLook::ball_scale), positive,
+                "Molecules: balls, of the van der Waals radius"),
+         number("stick_radius", molecule_look(&MoleculeLook::stick_radius_angstrom), positive,
+                "Molecules: of sticks between balls [angstrom]"),
+         number("licorice_radius", molecule_look(&MoleculeLook::licorice_radius_angstrom), positive,
+                "Molecules: of licorice [angstrom]"),
+         integer("model", atoms(&MoleculeOptions::model), {},
+                 "Molecules: its number in the file, the first unless said"),
+         text("altloc", atoms(&MoleculeOptions::altloc),
+              "Molecules: the alternative location; unless said the one of highest occupancy"),
+         text("assembly", atoms(&MoleculeOptions::assembly),
+              "Molecules: the biological assembly; unless said the atoms of the file"),
+         truth("waters", atoms(&MoleculeOptions::waters), "Molecules: whether water is shown"),
+         text("selection", atoms(&MoleculeOptions::selection),
+              "Molecules: chains and residues, like \"A,B:10-50\"; all unless said"),
          integer("resolution", object(&SceneObject::resolution), {},
                  "Meshes: voxels along the longest side, 256 unless said"),
          number("band", object(&SceneObject::band_voxels), Range{.lo = 1},

@@ -35,7 +35,8 @@ std::vector<std::size_t> drawn_objects(const SceneFile& scene) {
         used.insert(operands_of(object).begin(), operands_of(object).end());
     std::vector<std::size_t> drawn;
     for (std::size_t i = 0; i < scene.objects.size(); ++i)
-        if (!used.contains(scene.objects[i].name)) drawn.push_back(i);
+        if (!used.contains(scene.objects[i].name) && scene.objects[i].molecule.empty())
+            drawn.push_back(i);
     return drawn;
 }
 
@@ -69,7 +70,7 @@ std::vector<std::string> inputs_of(const SceneObject& object) {
         if (next.fraction == 0) return {next.before.path};
         return {next.before.path, next.after.path};
     }
-    if (object.csg || !object.morph.empty()) return {};
+    if (object.csg || !object.morph.empty() || !object.molecule.empty()) return {};
     return {object.mesh.empty() ? object.field : object.mesh};
 }
 
@@ -126,6 +127,17 @@ void SceneObjects::open(const SceneFile& scene) {
             source.field =
                 read_field(source.input, scene.memory_bytes.value_or(default_field_bytes()));
     }
+    std::vector<std::pair<MoleculeKey, std::shared_ptr<const Molecule>>> molecules;
+    for (const SceneObject& object : scene.objects) {
+        if (object.molecule.empty()) continue;
+        const MoleculeKey key{object.molecule, object.atoms};
+        const auto kept = std::ranges::find(molecules_, key, [](const auto& m) { return m.first; });
+        molecules.emplace_back(
+            key, kept != molecules_.end()
+                     ? kept->second
+                     : std::make_shared<Molecule>(read_molecule(object.molecule, object.atoms)));
+    }
+    molecules_ = std::move(molecules);
 }
 
 /// Fields of a frame's objects.
@@ -217,6 +229,26 @@ private:
     const std::function<void(const std::string&)>& warn_;
 };
 
+namespace {
+
+/// Appends what a molecule is drawn as, where its object places it.
+void append(const MoleculePrimitives& drawn, const Placement& placement, Primitives& out) {
+    const Eigen::Affine3d to_world = placement.to_world();
+    for (Sphere sphere : drawn.spheres) {
+        sphere.centre_world = to_world * sphere.centre_world;
+        sphere.radius_world *= placement.scale;
+        out.spheres.push_back(sphere);
+    }
+    for (Cylinder stick : drawn.sticks) {
+        stick.a_world = to_world * stick.a_world;
+        stick.b_world = to_world * stick.b_world;
+        stick.radius_world *= placement.scale;
+        out.cylinders.push_back(stick);
+    }
+}
+
+} // namespace
+
 Scene SceneObjects::compose(const SceneFile& scene, const Progress& progress,
                             const std::function<void(const std::string&)>& warn) {
     Making making(*this, scene, progress, warn);
@@ -231,6 +263,13 @@ Scene SceneObjects::compose(const SceneFile& scene, const Progress& progress,
                                scene.objects[part.object].filter.value_or(scene.filter),
                                scene.derivative_filter, part.colour, part.cut_colour});
     }
+    auto primitives = std::make_shared<Primitives>();
+    auto molecule = molecules_.begin(); // in the order of the objects
+    for (const SceneObject& object : scene.objects)
+        if (!object.molecule.empty())
+            append(primitives_of(*molecule++->second, object.molecule_look), object.placement,
+                   *primitives);
+    if (primitives->count() > 0) out.primitives = std::move(primitives);
     return out;
 }
 

@@ -22,7 +22,7 @@ struct ScenePart {
     bool operator==(const ScenePart&) const = default;
 };
 
-/// What a scene draws: the union of the objects that no other one is made of.
+/// What a scene draws of fields: the union of the objects that no other one is made of.
 struct Composition {
     std::vector<ScenePart> parts; // each once, in the order in which the tree first names them
     CsgTree tree;                 // of these
@@ -82,6 +82,12 @@ private:
         Placement placement;
         std::shared_ptr<const FieldSource> field;
     };
+    /// Atoms that were read, and of what.
+    struct MoleculeKey {
+        std::string path;
+        MoleculeOptions atoms;
+        bool operator==(const MoleculeKey&) const = default;
+    };
     class Making; // of one frame
 
     static SourceKey key_of(const SceneObject& object, const std::string& input);
@@ -89,6 +95,7 @@ private:
     std::map<SourceKey, Source> sources_;
     std::map<std::size_t, Pair> pairs_; // of morphs, by object
     std::map<std::size_t, Placed> placed_;
+    std::vector<std::pair<MoleculeKey, std::shared_ptr<const Molecule>>> molecules_;
 };
 
 /// The look of the scene. Pictures that are not opaque have no background.

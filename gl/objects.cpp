@@ -55,6 +55,8 @@ FormatInfo info(Format format) {
         return {GL_RGBA16F, GL_RGBA, 4, 8};
     case Format::Rgba8:
         return {GL_RGBA8, GL_RGBA, 4, 4};
+    case Format::Depth32f:
+        return {GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, 1, 4};
     }
     throw GlError("unknown texture format");
 }
@@ -252,7 +254,8 @@ void Texture::clear(int value) {
     glClearTexImage(id(), 0, GL_RED_INTEGER, GL_INT, &value);
 }
 
-Framebuffer::Framebuffer(const std::vector<const Texture*>& colours, std::string_view label) {
+Framebuffer::Framebuffer(const std::vector<const Texture*>& colours, std::string_view label,
+                         const Texture* depth) {
     unsigned id = 0;
     glCreateFramebuffers(1, &id);
     handle_ = Handle<delete_framebuffer>(id);
@@ -267,6 +270,7 @@ Framebuffer::Framebuffer(const std::vector<const Texture*>& colours, std::string
         ++count;
     }
     glNamedFramebufferDrawBuffers(id, count, attachments);
+    if (depth != nullptr) glNamedFramebufferTexture(id, GL_DEPTH_ATTACHMENT, depth->id(), 0);
     if (const GLenum status = glCheckNamedFramebufferStatus(id, GL_DRAW_FRAMEBUFFER);
         status != GL_FRAMEBUFFER_COMPLETE)
         throw GlError(fmt::format("framebuffer '{}' of {}x{} is incomplete (0x{:x})", label, width_,

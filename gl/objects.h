@@ -75,7 +75,8 @@ enum class Format {
     Rgba32f,
     Rgba32i,
     Rgba32ui,
-    Rgba8
+    Rgba8,
+    Depth32f
 };
 
 /// Bytes of one texel.
@@ -143,12 +144,13 @@ private:
     int level_count_ = 1;
 };
 
-/// A framebuffer with colour attachments 0, 1, …
+/// A framebuffer with colour attachments 0, 1, … and perhaps a depth buffer.
 class Framebuffer {
 public:
     Framebuffer() = default;
     /// throws  GlError if the driver finds it incomplete
-    Framebuffer(const std::vector<const Texture*>& colours, std::string_view label);
+    Framebuffer(const std::vector<const Texture*>& colours, std::string_view label,
+                const Texture* depth = nullptr);
     /// For shaders that write to buffers alone.
     static Framebuffer without_attachments(int width, int height, std::string_view label);
     unsigned id() const { return handle_.id(); }

@@ -126,6 +126,9 @@ void Program::set(const char* uniform, const Eigen::Vector4f& value) const {
 void Program::set(const char* uniform, const Eigen::Vector3i& value) const {
     glProgramUniform3iv(handle_.id(), location(uniform), 1, value.data());
 }
+void Program::set(const char* uniform, const Eigen::Vector4i& value) const {
+    glProgramUniform4iv(handle_.id(), location(uniform), 1, value.data());
+}
 void Program::set(const char* uniform, const Eigen::Matrix3f& value) const {
     glProgramUniformMatrix3fv(handle_.id(), location(uniform), 1, GL_FALSE, value.data());
 }

@@ -40,6 +40,7 @@ public:
     void set(const char* uniform, const Eigen::Vector3f& value) const;
     void set(const char* uniform, const Eigen::Vector4f& value) const;
     void set(const char* uniform, const Eigen::Vector3i& value) const;
+    void set(const char* uniform, const Eigen::Vector4i& value) const;
     void set(const char* uniform, const Eigen::Matrix3f& value) const;
     void set(const char* uniform, const Eigen::Matrix4f& value) const;
 

@@ -332,13 +332,6 @@ std::optional<int> whole_number(std::string_view text) {
     return value;
 }
 
-std::string_view trimmed(std::string_view text) {
-    constexpr std::string_view blanks = " \t\r\n\v\f";
-    const std::size_t first = text.find_first_not_of(blanks);
-    if (first == std::string_view::npos) return {};
-    return text.substr(first, text.find_last_not_of(blanks) - first + 1);
-}
-
 Molecule molecule_of_bytes(std::string_view bytes, const std::filesystem::path& name,
                            const MoleculeOptions& options) {
     const MoleculeFormat& format = format_of(name);

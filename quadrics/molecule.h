@@ -52,6 +52,8 @@ struct MoleculeOptions {
     bool waters = false;
     /// Chains and ranges of residues, "A,B:10-50,C:7", by the names in the file; all if empty.
     std::string selection;
+
+    bool operator==(const MoleculeOptions&) const = default;
 };
 
 /// The molecule in a .pdb, .ent, .cif, .mmcif or .xyz file.

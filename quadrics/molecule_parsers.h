@@ -3,6 +3,7 @@
 #pragma once
 
 #include "quadrics/molecule.h"
+#include "volume/volume_file.h" // trimmed
 
 #include <limits>
 #include <string_view>
@@ -50,6 +51,5 @@ inline constexpr double largest_coordinate_angstrom = 1e6;
 /// `text` without blanks about it as a number; NaN if it is none. "+1.5" is one, "1.5x" is not.
 double number_or_nan(std::string_view text);
 std::optional<int> whole_number(std::string_view text);
-std::string_view trimmed(std::string_view text);
 
 } // namespace isocast

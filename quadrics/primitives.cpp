@@ -80,4 +80,51 @@ void check(std::span<const ClippedQuadric> quadrics) {
     });
 }
 
+void check(const Primitives& primitives) {
+    constexpr std::size_t most = (1U << 24) - 2;
+    if (primitives.count() > most)
+        throw InputError(fmt::format("{} primitives: {} at most", primitives.count(), most));
+    check(std::span(primitives.spheres));
+    check(std::span(primitives.ellipsoids));
+    check(std::span(primitives.cylinders));
+    check(std::span(primitives.cones));
+    check(std::span(primitives.quadrics));
+}
+
+namespace {
+
+/// Of points at most `half` from `centre` along each axis.
+void extend(Eigen::AlignedBox3d& box, const Vec3d& centre, const Vec3d& half) {
+    box.extend(Vec3d(centre - half));
+    box.extend(Vec3d(centre + half));
+}
+
+/// Half the extent of a disc across the unit vector `axis`.
+Vec3d half_extent_of_disc(const Vec3d& axis, double radius) {
+    return radius * (1 - axis.array().square()).max(0).sqrt();
+}
+
+} // namespace
+
+Eigen::AlignedBox3d box_of(const Primitives& primitives) {
+    Eigen::AlignedBox3d box;
+    for (const Sphere& s : primitives.spheres)
+        extend(box, s.centre_world, Vec3d::Constant(s.radius_world));
+    for (const Ellipsoid& e : primitives.ellipsoids)
+        extend(box, e.centre_world, e.axes_world.rowwise().norm());
+    const auto extend_between = [&](const Vec3d& a, const Vec3d& b, double radius_a,
+                                    double radius_b) {
+        const Vec3d axis = (b - a).stableNormalized();
+        extend(box, a, half_extent_of_disc(axis, radius_a));
+        extend(box, b, half_extent_of_disc(axis, radius_b));
+    };
+    for (const Cylinder& c : primitives.cylinders)
+        extend_between(c.a_world, c.b_world, c.radius_world, c.radius_world);
+    for (const Cone& c : primitives.cones)
+        extend_between(c.a_world, c.b_world, c.radius_a_world, c.radius_b_world);
+    for (const ClippedQuadric& q : primitives.quadrics)
+        extend(box, q.centre_world, q.axes_world.cwiseAbs().rowwise().sum());
+    return box;
+}
+
 } // namespace isocast

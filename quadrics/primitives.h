@@ -6,6 +6,7 @@
 #include "volume/grid_space.h"
 
 #include <span>
+#include <vector>
 
 namespace isocast {
 
@@ -61,5 +62,25 @@ void check(std::span<const Ellipsoid> ellipsoids);
 void check(std::span<const Cylinder> cylinders);
 void check(std::span<const Cone> cones);
 void check(std::span<const ClippedQuadric> quadrics);
+
+/// All that a scene draws one by one.
+struct Primitives {
+    std::vector<Sphere> spheres;
+    std::vector<Ellipsoid> ellipsoids;
+    std::vector<Cylinder> cylinders;
+    std::vector<Cone> cones;
+    std::vector<ClippedQuadric> quadrics;
+
+    std::size_t count() const {
+        return spheres.size() + ellipsoids.size() + cylinders.size() + cones.size() +
+               quadrics.size();
+    }
+};
+/// throws  InputError as above, or for more than 2^24 - 2: beyond it floats do not count
+void check(const Primitives& primitives);
+
+/// Along the world's axes, around all of them: tight for spheres, ellipsoids, cylinders and cones,
+/// for clipped quadrics that of their boxes. Empty if there are none.
+Eigen::AlignedBox3d box_of(const Primitives& primitives);
 
 } // namespace isocast

@@ -135,7 +135,7 @@ Footprint sphere_footprint(const FootprintView& view, const Vec3d& centre_eye, d
     const auto width = static_cast<float>(view.width);
     const auto height = static_cast<float>(view.height);
     const auto as_float = [](double value) { return static_cast<float>(value); };
-    const Eigen::Vector2d middle(0.5 * view.width, 0.5 * view.height);
+    const Eigen::Vector2d& middle = view.middle_pixels;
     if (!view.is_perspective) {
         const Eigen::Vector2d at = middle + view.pixels_per_unit * centre_eye.head<2>();
         const double r = view.pixels_per_unit * radius;

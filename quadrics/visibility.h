@@ -28,6 +28,7 @@ struct FootprintView {
     bool is_perspective = true;
     int width = 0;
     int height = 0;
+    Eigen::Vector2d middle_pixels = Eigen::Vector2d::Zero(); // what the camera looks at
     /// Pixels of a length of one at depth one, or of parallel rays at any depth.
     double pixels_per_unit = 0;
     double near_depth = 0; // what is nearer is cut away; of parallel rays anything

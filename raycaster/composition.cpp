@@ -35,7 +35,7 @@ Depths depths_of(const FrameContext& frame) {
     const Vec3d back = frame.camera.view_from_world_rotation().row(2);
     double nearest = std::numeric_limits<double>::infinity();
     double farthest = 0;
-    for (const FrameObject& object : frame.objects) {
+    for (const FrameObject& object : frame.seen.objects) {
         for (int i = 0; i < 8 && !object.box_world.isEmpty(); ++i) {
             const Vec3d from_eye =
                 object.box_world.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i)) -
@@ -85,12 +85,12 @@ void run_composition(FrameContext& frame) {
             return program;
         });
     frame.notes.push_back(fmt::format("composition: {} objects, {} rounds, {} searches",
-                                      frame.objects.size(), work.rounds, work.searches));
+                                      frame.seen.objects.size(), work.rounds, work.searches));
 }
 
 CompositionWork compose_roots(FrameContext& frame, const gl::Texture& hit,
                               const OperandProgram& operand) {
-    const int count = static_cast<int>(frame.objects.size());
+    const int count = static_cast<int>(frame.seen.objects.size());
     const std::uint32_t all = (1U << count) - 1;
     const Depths depths = depths_of(frame);
     std::vector<gl::Texture> roots;
@@ -132,7 +132,7 @@ CompositionWork compose_roots(FrameContext& frame, const gl::Texture& hit,
             const PlacesOnGpu tiles = tiles_of(frame, waiting, 1U << i);
             if (tiles.run_count == 0) continue;
             const auto k = static_cast<std::size_t>(i);
-            const FrameContext object = of_object(frame, frame.objects[k]);
+            const FrameContext object = of_object(frame, frame.seen.objects[k]);
             const gl::Program& program = operand(object, i);
             roots[k].bind_to_unit(5);
             root_targets[k].bind();
@@ -148,7 +148,7 @@ CompositionWork compose_roots(FrameContext& frame, const gl::Texture& hit,
             const auto k = static_cast<std::size_t>(i);
             roots[k].bind_to_unit(first_root_unit + static_cast<unsigned>(i));
             const double world_from_voxel =
-                frame.objects[k].object.field->space().world_from_index.linear().norm();
+                frame.seen.objects[k].object.field->space().world_from_index.linear().norm();
             program.set(
                 fmt::format("u_errors[{}]", i).c_str(),
                 static_cast<float>(tolerance_voxels * world_from_voxel + rounding_of(depths)));

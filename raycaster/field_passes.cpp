@@ -3,6 +3,7 @@
 
 #include "gl/readback.h"
 #include "raycaster/composition.h"
+#include "raycaster/splat_passes.h"
 
 #include <Eigen/Eigenvalues>
 #include <glad/gl.h>
@@ -63,21 +64,29 @@ gl::ProgramKey gradient_program(std::map<std::string, std::string> defines, bool
     return {{"common/tiles.vert", "raycast/derivatives.frag"}, std::move(defines)};
 }
 
+} // namespace
+
+void add_second_order_defines(std::map<std::string, std::string>& defines, const ImageSet& images) {
+    int attachment = 0;
+    for (const auto& [image, define] : second_order)
+        defines.emplace(define, std::to_string(images.contains(image) ? attachment++ : -1));
+}
+
+namespace {
+
 /// images  of second order, at least one
 gl::ProgramKey second_order_program(std::map<std::string, std::string> defines, bool is_operand,
                                     const ImageSet& images) {
     defines.emplace("IS_OPERAND", is_operand ? "1" : "0");
     defines.emplace("ORDER", "2");
-    int attachment = 0;
-    for (const auto& [image, define] : second_order)
-        defines.emplace(define, std::to_string(images.contains(image) ? attachment++ : -1));
+    add_second_order_defines(defines, images);
     return {{"common/tiles.vert", "raycast/derivatives.frag"}, std::move(defines)};
 }
 
 RayCoefficients set_ray_uniforms(const gl::Program& program, const FrameContext& frame) {
     const RayCoefficients ray =
-        ray_coefficients(frame.camera, frame.width, frame.height, frame.object.field->space(),
-                         frame.field.local_origin_index());
+        ray_coefficients(frame.camera, frame.width, frame.height, frame.object().field->space(),
+                         frame.field().local_origin_index());
     program.set("u_ray_point", Eigen::Matrix3f(ray.point.cast<float>()));
     program.set("u_ray_vector", Eigen::Matrix3f(ray.vector.cast<float>()));
     set_first_pixel(frame, program);
@@ -87,14 +96,14 @@ RayCoefficients set_ray_uniforms(const gl::Program& program, const FrameContext&
 /// Of shaders/raycast/faces.glsl.
 void set_face_uniforms(const gl::Program& program, const FrameContext& frame) {
     const Camera& camera = frame.camera;
-    const GridSpace& space = frame.object.field->space();
+    const GridSpace& space = frame.object().field->space();
     const bool is_perspective = camera.projection == Projection::Perspective;
     const double half_height = camera.half_height_at(1);
     const Mat3d rotation = camera.view_from_world_rotation();
     const Mat3d view_from_index = rotation * space.world_from_index.linear();
     const Vec3d offset_view =
         rotation *
-        (space.to_world(frame.field.local_origin_index().cast<double>()) - camera.eye_world);
+        (space.to_world(frame.field().local_origin_index().cast<double>()) - camera.eye_world);
     Eigen::Matrix4d clip_from_view = Eigen::Matrix4d::Zero();
     clip_from_view(0, 0) = frame.height / (half_height * frame.width);
     clip_from_view(1, 1) = 1 / half_height;
@@ -160,10 +169,10 @@ void draw_blocks(const FrameContext& frame, FrameImage image, const gl::Program&
     set_fixed_state();
     set_face_uniforms(program, frame);
     const Vec3d forward = frame.camera.view_from_world_rotation().transpose() * Vec3d(0, 0, -1);
-    const GridSpace& space = frame.object.field->space();
+    const GridSpace& space = frame.object().field->space();
     Eigen::Vector4d eye;
     if (frame.camera.projection == Projection::Perspective)
-        eye << eye_local(frame.camera, space, frame.field.local_origin_index()), 1;
+        eye << eye_local(frame.camera, space, frame.field().local_origin_index()), 1;
     else
         eye << -(space.world_from_index.linear().inverse() * forward).normalized(), 0;
     program.set("u_eye", Eigen::Vector4f(eye.cast<float>()));
@@ -196,7 +205,7 @@ void draw_field(FrameContext& frame, FieldOnGpu& field, const gl::Framebuffer& t
 
 void set_hit_uniforms(const gl::Program& program, const FrameContext& frame,
                       const FieldOnGpu& field) {
-    const GridSpace& space = frame.object.field->space();
+    const GridSpace& space = frame.object().field->space();
     program.set("u_index_from_world",
                 Eigen::Matrix3f(space.world_from_index.linear().inverse().cast<float>()));
     program.set(
@@ -223,21 +232,22 @@ void set_error_uniforms(const gl::Program& program, const GridSpace& space, cons
     program.set("u_difference_error", static_cast<float>(6 * stretch * stretch));
 }
 
-/// Runs raycast/derivatives.frag: of composed objects each one's, on the pixels that it owns.
+/// Runs raycast/derivatives.frag: of several owners of hits each one's, on the pixels that it owns.
 ///
+/// order     1 or 2, of the same derivatives of primitives
 /// field_of  the field that is derived
 /// key_of    (its pool's defines, is_operand) -> its program, but for the kernel
 /// set_more  (program, object, field, kernel): its uniforms beside those of all programs
 template<class KeyOf, class SetMore>
-void draw_derivatives(FrameContext& frame, FieldOnGpu& (*field_of)(const FrameContext&),
+void draw_derivatives(FrameContext& frame, int order, FieldOnGpu& (*field_of)(const FrameContext&),
                       const gl::Framebuffer& target, int attachment_count, KeyOf key_of,
                       SetMore set_more) {
-    const bool is_operand = is_composed(frame.scene);
+    const bool is_operand = has_owners(frame);
     const auto prepared = [&](const FrameContext& object) -> const gl::Program& {
         FieldOnGpu& field = field_of(object);
         gl::ProgramKey key = key_of(field.pool().defines(), is_operand);
         const Kernel kernel =
-            kernel_of(object.object.derivative_filter.value_or(object.object.filter));
+            kernel_of(object.object().derivative_filter.value_or(object.object().filter));
         key.defines["KERNEL"] = std::to_string(static_cast<int>(kernel));
         const gl::Program& program = object.shaders.program(key);
         field.bind(program);
@@ -253,22 +263,24 @@ void draw_derivatives(FrameContext& frame, FieldOnGpu& (*field_of)(const FrameCo
     target.bind();
     const Eigen::Vector4f empty = Eigen::Vector4f::Zero();
     for (int i = 0; i < attachment_count; ++i) glClearBufferfv(GL_COLOR, i, empty.data());
-    for (int i = 0; i < std::ssize(frame.objects); ++i) {
-        const FrameContext object = of_object(frame, frame.objects[static_cast<std::size_t>(i)]);
+    for (int i = 0; i < std::ssize(frame.seen.objects); ++i) {
+        const FrameContext object =
+            of_object(frame, frame.seen.objects[static_cast<std::size_t>(i)]);
         const gl::Program& program = prepared(object);
         program.set("u_object", i + 1);
         draw_on_tiles(object, program);
     }
+    if (frame.seen.splats) draw_splat_derivatives(frame, order);
 }
 
 } // namespace
 
 void set_extent_uniforms(const gl::Program& program, const FrameContext& frame) {
-    const FieldSource& field = *frame.object.field;
+    const FieldSource& field = *frame.object().field;
     // A field with a band goes on beyond its extent as background; one without ends there.
     constexpr float nowhere = 1e9F; // beyond any table
     const auto local = [&](const Index3& index) {
-        return Eigen::Vector3f((index - frame.field.local_origin_index()).cast<float>());
+        return Eigen::Vector3f((index - frame.field().local_origin_index()).cast<float>());
     };
     const bool has_band = field.half_width_world().has_value();
     program.set("u_extent_lo", has_band ? Eigen::Vector3f(Eigen::Vector3f::Constant(-nowhere))
@@ -281,23 +293,24 @@ void set_accuracy_uniforms(const gl::Program& program, const FrameContext& frame
     program.set("u_guarantee", static_cast<float>(frame.scene.quality.guarantee_voxels));
     // 2^-19: 32 roundings of a sum of 64 products, each of at most the greatest sample; 24 are
     // the longest way through it.
-    program.set("u_value_error", 0x1p-19F * frame.field.pool().greatest_stored());
+    program.set("u_value_error", 0x1p-19F * frame.field().pool().greatest_stored());
 }
 
 bool can_fuse_gradient(const FrameContext& frame) {
-    return &frame.derivative_field == &frame.field && frame.field.pool().holds_all() &&
-           frame.field.pool().fetch() != Fetch::Linear && // whose gradient may be another sum
+    if (frame.one == nullptr) return true; // primitives know their normals
+    return &frame.derivative_field() == &frame.field() && frame.field().pool().holds_all() &&
+           frame.field().pool().fetch() != Fetch::Linear && // whose gradient may be another sum
            frame.scene.quality.traversal != Traversal::DrawnBlocks && !is_composed(frame.scene) &&
-           kernel_of(frame.object.derivative_filter.value_or(frame.object.filter)) ==
-               kernel_of(frame.object.filter);
+           kernel_of(frame.object().derivative_filter.value_or(frame.object().filter)) ==
+               kernel_of(frame.object().filter);
 }
 
 void run_bounds(FrameContext& frame) {
-    const gl::Program& program = frame.shaders.program(bounds_program(frame.field.pool()));
+    const gl::Program& program = frame.shaders.program(bounds_program(frame.field().pool()));
     set_ray_uniforms(program, frame);
-    frame.field.bind_blocks(program);
+    frame.field().bind_blocks(program);
     set_face_uniforms(program, frame);
-    frame.field.bind_faces(3);
+    frame.field().bind_faces(3);
     frame.targets.framebuffer(FrameImage::Bounds).bind();
     constexpr float nowhere = 1e30F;
     const std::array<float, 4> empty{nowhere, nowhere, 0, 0};
@@ -307,15 +320,15 @@ void run_bounds(FrameContext& frame) {
     glBlendEquation(GL_MIN);
     frame.no_vertices.bind();
     program.use();
-    glDrawArrays(GL_TRIANGLES, 0, 6 * frame.field.face_count());
+    glDrawArrays(GL_TRIANGLES, 0, 6 * frame.field().face_count());
     glDisable(GL_BLEND);
 }
 
 RayCoefficients set_search_uniforms(const gl::Program& program, const FrameContext& frame) {
     const Quality& quality = frame.scene.quality;
-    const FieldSource& field = *frame.object.field;
+    const FieldSource& field = *frame.object().field;
     const RayCoefficients ray = set_ray_uniforms(program, frame);
-    frame.field.bind(program);
+    frame.field().bind(program);
     program.set("u_ray_from_eye", Eigen::Matrix3f(ray.from_eye.cast<float>()));
     set_extent_uniforms(program, frame);
     if (quality.traversal == Traversal::TileLists) {
@@ -325,7 +338,7 @@ RayCoefficients set_search_uniforms(const gl::Program& program, const FrameConte
     } else if (quality.traversal == Traversal::BoundingFaces) {
         frame.targets.texture(FrameImage::Bounds).bind_to_unit(5);
     }
-    const float stored_from_world = 1 / frame.field.pool().world_from_stored();
+    const float stored_from_world = 1 / frame.field().pool().world_from_stored();
     if (quality.rate) {
         program.set("u_fine_step", static_cast<float>(1 / (*quality.rate * quality.rate_factor)));
         program.set("u_fine_per_coarse", quality.rate_factor);
@@ -342,7 +355,7 @@ RayCoefficients set_search_uniforms(const gl::Program& program, const FrameConte
 
 gl::ProgramKey operand_program(const FrameContext& frame) {
     return raycast_program(
-        frame.field.pool().defines(),
+        frame.field().pool().defines(),
         {.is_operand = true, .counts_steps = frame.live.contains(FrameImage::Steps)});
 }
 
@@ -359,27 +372,43 @@ gl::ProgramKey sky_operand_program(std::map<std::string, std::string> pool_defin
                            {.traversal = Traversal::Walk, .is_operand = true, .is_to_sky = true});
 }
 
+namespace {
+
+/// Of the frame's one field.
 void run_raycast(FrameContext& frame) {
     const Quality& quality = frame.scene.quality;
     const gl::ProgramKey key = raycast_program(
-        frame.field.pool().defines(), {.is_sampled = quality.rate.has_value(),
-                                       .traversal = quality.traversal,
-                                       .has_gradient = frame.has_fused_gradient,
-                                       .counts_steps = frame.live.contains(FrameImage::Steps)});
+        frame.field().pool().defines(), {.is_sampled = quality.rate.has_value(),
+                                         .traversal = quality.traversal,
+                                         .has_gradient = frame.has_fused_gradient,
+                                         .counts_steps = frame.live.contains(FrameImage::Steps)});
     const gl::Program& program = frame.shaders.program(key);
     start_counting_steps(frame);
     set_search_uniforms(program, frame);
     if (frame.has_fused_gradient) {
-        set_hit_uniforms(program, frame, frame.field);
-        program.set("u_world_from_stored", frame.field.pool().world_from_stored());
+        set_hit_uniforms(program, frame, frame.field());
+        program.set("u_world_from_stored", frame.field().pool().world_from_stored());
         const gl::Framebuffer both(
             {&frame.targets.texture(FrameImage::Hit), &frame.targets.texture(FrameImage::Gradient)},
             "hit and gradient");
-        draw_field(frame, frame.field, both, 2, program);
+        draw_field(frame, frame.field(), both, 2, program);
     } else if (quality.traversal == Traversal::DrawnBlocks)
         draw_blocks(frame, FrameImage::Hit, program);
     else
-        draw_field(frame, frame.field, frame.targets.framebuffer(FrameImage::Hit), 1, program);
+        draw_field(frame, frame.field(), frame.targets.framebuffer(FrameImage::Hit), 1, program);
+}
+
+} // namespace
+
+void run_hits(FrameContext& frame) {
+    if (is_composed(frame.scene))
+        run_composition(frame);
+    else if (frame.one != nullptr) {
+        FrameContext one = of_object(frame, *frame.one);
+        run_raycast(one);
+    } else
+        start_counting_steps(frame);
+    if (frame.seen.splats) resolve_splats(frame);
 }
 
 bool is_of_second_order(FrameImage image) {
@@ -387,7 +416,8 @@ bool is_of_second_order(FrameImage image) {
 }
 
 FrameImage drawn_with(const FrameContext& frame, FrameImage image) {
-    if (image == FrameImage::Steps || (image == FrameImage::Gradient && frame.has_fused_gradient))
+    if (image == FrameImage::Steps || image == FrameImage::SplatColour ||
+        (image == FrameImage::Gradient && frame.has_fused_gradient))
         return FrameImage::Hit;
     if (!is_of_second_order(image)) return image;
     return std::ranges::find_if(second_order,
@@ -400,7 +430,8 @@ FrameImage drawn_with(const FrameContext& frame, FrameImage image) {
 void run_gradient(FrameContext& frame) {
     if (drawn_with(frame, FrameImage::Gradient) != FrameImage::Gradient) return;
     draw_derivatives(
-        frame, [](const FrameContext& object) -> FieldOnGpu& { return object.derivative_field; },
+        frame, 1,
+        [](const FrameContext& object) -> FieldOnGpu& { return object.derivative_field(); },
         frame.targets.framebuffer(FrameImage::Gradient), 1, gradient_program,
         [](const gl::Program& program, const FrameContext&, const FieldOnGpu& field, Kernel) {
             program.set("u_world_from_stored", field.pool().world_from_stored());
@@ -414,7 +445,8 @@ void run_second_order(FrameContext& frame, FrameImage image) {
         if (frame.live.contains(other.image))
             textures.push_back(&frame.targets.texture(other.image));
     draw_derivatives(
-        frame, [](const FrameContext& object) -> FieldOnGpu& { return object.curvature_field; },
+        frame, 2,
+        [](const FrameContext& object) -> FieldOnGpu& { return object.curvature_field(); },
         gl::Framebuffer(textures, "of second order"), static_cast<int>(textures.size()),
         [&](std::map<std::string, std::string> defines, bool is_operand) {
             return second_order_program(std::move(defines), is_operand, frame.live);
@@ -423,7 +455,7 @@ void run_second_order(FrameContext& frame, FrameImage image) {
             Kernel kernel) {
             if (frame.live.contains(FrameImage::Curvature) ||
                 frame.live.contains(FrameImage::Direction))
-                set_error_uniforms(program, object.object.field->space(), field.pool(), kernel);
+                set_error_uniforms(program, object.object().field->space(), field.pool(), kernel);
             if (frame.live.contains(FrameImage::ViewCurvature))
                 program.set("u_ray_vector_world",
                             Eigen::Matrix3f(
@@ -443,14 +475,15 @@ void cast_rays(FrameContext& frame, const ImageSet& derived) {
             frame.live.insert(image); // and nothing else: steps are the frame's rays'
         }
     }
-    if (frame.scene.quality.traversal == Traversal::BoundingFaces) {
+    if (frame.one != nullptr && frame.scene.quality.traversal == Traversal::BoundingFaces) {
         frame.targets.make(FrameImage::Bounds, frame.width, frame.height);
         run_bounds(frame);
     }
-    if (is_composed(frame.scene))
-        run_composition(frame);
-    else
-        run_raycast(frame);
+    if (frame.seen.splats) {
+        frame.targets.make(FrameImage::Splat, frame.width, frame.height);
+        run_splats(frame);
+    }
+    run_hits(frame);
     if (has_gradient) run_gradient(frame);
     for (const SecondOrder& one : second_order)
         if (derived.contains(one.image)) run_second_order(frame, one.image);

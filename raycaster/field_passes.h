@@ -11,7 +11,8 @@ namespace isocast {
 bool can_fuse_gradient(const FrameContext& frame);
 
 void run_bounds(FrameContext& frame);
-void run_raycast(FrameContext& frame);
+/// The frame's hits: of fields, composed or one, and of primitives.
+void run_hits(FrameContext& frame);
 /// The Hit image of a frame that has no passes of its own, and those of `derived` that follow from
 /// the field's derivatives; makes the images that this takes.
 void cast_rays(FrameContext& frame, const ImageSet& derived = {});
@@ -43,6 +44,9 @@ void set_hit_uniforms(const gl::Program& program, const FrameContext& frame,
 void set_extent_uniforms(const gl::Program& program, const FrameContext& frame);
 /// Of shaders/raycast/march.glsl.
 void set_accuracy_uniforms(const gl::Program& program, const FrameContext& frame);
+
+/// Of shaders/filtering/second_order.glsl: where it writes which of `images`.
+void add_second_order_defines(std::map<std::string, std::string>& defines, const ImageSet& images);
 
 /// Every program that these can ask for, up to its strides.
 std::vector<gl::ProgramKey> field_programs();

@@ -87,22 +87,12 @@ std::int64_t LookTextures::byte_count() const {
     return bytes;
 }
 
-PlacesOnGpu union_of_places(std::span<const FrameObject> objects, int width, int height) {
-    std::vector<std::vector<Eigen::Vector4i>> runs;
-    for (const FrameObject& object : objects) runs.push_back(object.places.tile_runs);
-    PlacesOnGpu places;
-    places.set_runs(union_of_runs(runs, width, height));
-    return places;
-}
-
 FrameContext of_object(const FrameContext& frame, const FrameObject& object) {
     return {frame.shaders,
             frame.no_vertices,
             frame.scene,
-            object.object,
-            object.field,
-            object.derivative_field,
-            object.curvature_field,
+            frame.seen,
+            &object,
             object.places,
             frame.camera,
             frame.width,
@@ -110,31 +100,39 @@ FrameContext of_object(const FrameContext& frame, const FrameObject& object) {
             frame.targets,
             frame.look_textures,
             frame.look_numbers,
-            frame.objects,
             frame.part,
             0,
-            frame.live};
+            frame.live,
+            frame.has_fused_gradient};
 }
 
 OwnFrame::OwnFrame(const FrameContext& outer, const Camera& camera, int width, int height)
-    : objects(outer.find_objects(camera, width, height)),
-      places_of_all(is_composed(outer.scene) ? union_of_places(objects, width, height)
-                                             : PlacesOnGpu()),
-      frame{outer.shaders,
-            outer.no_vertices,
-            outer.scene,
-            outer.object,
-            outer.field,
-            outer.derivative_field,
-            outer.curvature_field,
-            is_composed(outer.scene) ? places_of_all : objects.front().places,
-            camera,
-            width,
-            height,
-            targets,
-            outer.look_textures,
-            outer.look_numbers,
-            objects} {}
+    : seen(outer.see(camera, width, height)), frame{outer.shaders,
+                                                    outer.no_vertices,
+                                                    outer.scene,
+                                                    seen,
+                                                    seen.objects.empty() ? nullptr
+                                                                         : &seen.objects.front(),
+                                                    seen.places(),
+                                                    camera,
+                                                    width,
+                                                    height,
+                                                    targets,
+                                                    outer.look_textures,
+                                                    outer.look_numbers} {}
+
+double extent_diagonal_world(const FrameContext& frame) {
+    double longest = 0;
+    for (const std::array<Vec3d, 8>& corners : frame.seen.extents_world)
+        for (std::size_t i = 0; i < 4; ++i) // of the four diagonals of a box that may be skewed
+            longest = std::max(longest, (corners[7 - i] - corners[i]).norm());
+    return longest;
+}
+
+double detail_world(const FrameContext& frame) {
+    return frame.one != nullptr ? frame.object().field->space().voxel_size_world()
+                                : extent_diagonal_world(frame) / 1000;
+}
 
 void draw_on_tiles(const FrameContext& frame, const gl::Program& program) {
     draw_on_tiles(frame, program, frame.places);
@@ -182,12 +180,19 @@ Mat3d world_vector_coefficients(const Camera& camera, int width, int height, dou
            view_vector_coefficients(camera, width, height, depth_world);
 }
 
+Mat3d world_start_coefficients(const Camera& camera, int width, int height) {
+    if (camera.projection == Projection::Perspective) return Mat3d::Zero();
+    return camera.view_from_world_rotation().transpose() *
+           view_point_coefficients(camera, width, height, 0);
+}
+
 Vec3d eye_local(const Camera& camera, const GridSpace& space, const Index3& local_origin_index) {
     return space.to_index(camera.eye_world) - local_origin_index.cast<double>();
 }
 
 gl::Format format_of(FrameImage image) {
     switch (image) {
+    case FrameImage::SplatColour:
     case FrameImage::SolidTexture:
     case FrameImage::CurvatureColour:
     case FrameImage::CurvatureMap:
@@ -199,6 +204,7 @@ gl::Format format_of(FrameImage image) {
     case FrameImage::Bounds:
     case FrameImage::Shadow:
         return gl::Format::Rg32f;
+    case FrameImage::Splat:
     case FrameImage::Steps:
     case FrameImage::ViewCurvature:
     case FrameImage::FlowLineCurvature:

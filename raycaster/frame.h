@@ -5,6 +5,7 @@
 #include "gl/program.h"
 #include "raycaster/field_on_gpu.h"
 #include "raycaster/frame_plan.h"
+#include "raycaster/splats_on_gpu.h"
 
 #include <array>
 #include <functional>
@@ -52,7 +53,7 @@ struct FoundNumber {
 /// first picture that has any on, so that sequences do not flicker.
 using LookNumbers = std::map<std::string, FoundNumber>;
 
-/// An object as a frame sees it.
+/// An object of a field as a frame sees it.
 struct FrameObject {
     const FieldObject& object;
     FieldOnGpu& field;
@@ -62,8 +63,21 @@ struct FrameObject {
     Eigen::AlignedBox3d box_world; // of its active blocks; empty if there is none
 };
 
-/// The tiles in which any of them can show something, without lists.
-PlacesOnGpu union_of_places(std::span<const FrameObject> objects, int width, int height);
+/// What one camera sees of a scene.
+struct SeenScene {
+    std::vector<FrameObject> objects;  // by number; none in a scene of primitives alone
+    std::optional<SplatsOnGpu> splats; // of a scene with primitives
+    /// Corners of the extents of all fields, and of the box of the primitives.
+    std::vector<std::array<Vec3d, 8>> extents_world;
+    /// The tiles in which any of them can show something, without lists: unless there is but one
+    /// object, which has its own.
+    PlacesOnGpu places_of_all;
+
+    bool has_one_object() const { return objects.size() == 1 && !splats; }
+    const PlacesOnGpu& places() const {
+        return has_one_object() ? objects.front().places : places_of_all;
+    }
+};
 
 /// The camera of the shadow map, and its size.
 struct LightView {
@@ -81,19 +95,17 @@ struct FrameContext {
     gl::ShaderLibrary& shaders;
     const gl::VertexArray& no_vertices;
     const Scene& scene;
-    // Of the scene's one object, or of that of of_object(). Passes that read the field read this.
-    const FieldObject& object;
-    FieldOnGpu& field;
-    FieldOnGpu& derivative_field;
-    FieldOnGpu& curvature_field;
-    const PlacesOnGpu& places; // where objects are composed those of all
+    const SeenScene& seen;
+    // The scene's first object, or that of of_object(); none in a scene of primitives alone. Passes
+    // that read a field read this one's.
+    const FrameObject* one;
+    const PlacesOnGpu& places;
     const Camera& camera;
     int width; // of the whole picture
     int height;
     FrameTargets& targets;
     LookTextures& look_textures;
     LookNumbers& look_numbers;
-    std::span<const FrameObject> objects = {};          // all, by number
     PicturePart part{.width = width, .height = height}; // of the picture, that the images show
     std::int64_t scratch_bytes = 0;      // of textures that a pass made for itself alone
     ImageSet live = {};                  // what the passes of this frame write
@@ -101,10 +113,15 @@ struct FrameContext {
     std::vector<std::string> notes = {}; // what was chosen for the user, to be reported
     std::optional<LightView> light = {}; // if there is a shadow map
     std::function<std::array<Vec3d, 8>()> surface_box_world = {}; // as Renderer's
-    /// The objects as another camera sees them.
-    std::function<std::vector<FrameObject>(const Camera& camera, int width, int height)>
-        find_objects = {};
-    std::shared_ptr<OwnFrame> overview = {}; // the whole picture in small, once it is asked for
+    /// The scene as another camera sees it.
+    std::function<SeenScene(const Camera& camera, int width, int height)> see = {};
+    const NumbersOnGpu* splat_colours = nullptr; // by primitive, if the scene has some
+    std::shared_ptr<OwnFrame> overview = {};     // the whole picture in small, once it is asked for
+
+    const FieldObject& object() const { return one->object; }
+    FieldOnGpu& field() const { return one->field; }
+    FieldOnGpu& derivative_field() const { return one->derivative_field; }
+    FieldOnGpu& curvature_field() const { return one->curvature_field; }
 };
 
 /// Another view of a frame's scene, with images of its own.
@@ -114,13 +131,20 @@ struct OwnFrame {
     OwnFrame(const OwnFrame&) = delete;
 
     FrameTargets targets;
-    std::vector<FrameObject> objects;
-    PlacesOnGpu places_of_all; // where objects are composed
+    SeenScene seen;
     FrameContext frame;
 };
 
 /// The frame with one of its objects in the place of the only one.
 FrameContext of_object(const FrameContext& frame, const FrameObject& object);
+/// Whether hits have several owners: objects, or an object and the primitives.
+inline bool has_owners(const FrameContext& frame) {
+    return !frame.seen.has_one_object();
+}
+/// Length of the longest diagonal of an object's extent [world].
+double extent_diagonal_world(const FrameContext& frame);
+/// Below it the scene has nothing to show: a voxel, or 1/1000 of the extent of primitives alone.
+double detail_world(const FrameContext& frame);
 /// Towards the light, of unit length, world axes.
 Vec3d direction_world(const Light& light, const Camera& viewer);
 
@@ -154,6 +178,8 @@ RayCoefficients ray_coefficients(const Camera& camera, int width, int height,
 /// `depth_world` in front of it.
 Mat3d world_vector_coefficients(const Camera& camera, int width, int height,
                                 double depth_world = 1);
+/// The same to the vector from the eye to the ray's start; 0 in perspective.
+Mat3d world_start_coefficients(const Camera& camera, int width, int height);
 
 /// The eye, in local index coordinates.
 Vec3d eye_local(const Camera& camera, const GridSpace& space, const Index3& local_origin_index);

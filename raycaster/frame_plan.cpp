@@ -11,6 +11,7 @@ namespace isocast {
 
 std::string_view name_of(FrameImage image) {
     constexpr std::array<std::string_view, frame_image_count> names{"bounds",
+                                                                    "splat",
                                                                     "hit",
                                                                     "steps",
                                                                     "gradient",
@@ -21,6 +22,7 @@ std::string_view name_of(FrameImage image) {
                                                                     "shadow map",
                                                                     "flow noise",
                                                                     "outline source",
+                                                                    "splat colour",
                                                                     "solid texture",
                                                                     "curvature colour",
                                                                     "curvature map",

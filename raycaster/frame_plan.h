@@ -13,6 +13,7 @@ namespace isocast {
 /// The images of a frame. A changed image gets a new name, so each has one writer.
 enum class FrameImage {
     Bounds,    // where rays first and last meet the faces around active blocks: t, -t [voxels]
+    Splat,     // number of the first primitive + 1, as this camera's splats are numbered; 0: none
     Hit,       // first hit: eye-relative position [world], object
     Steps,     // how often the ray's search looked at the field
     Gradient,  // gradient of the field at the hit [1/world * world], world axes
@@ -26,6 +27,7 @@ enum class FrameImage {
     FlowNoise, // a noise in space at the hit: mean 0, variance 1
     OutlineSource, // unit normal, nearness, affine over the picture of a plane; 0 beside hits
     // What effects make. Layers: linear RGB, coverage.
+    SplatColour, // of the primitive that is hit
     SolidTexture,
     CurvatureColour,
     CurvatureMap,
@@ -41,7 +43,7 @@ enum class FrameImage {
     Outlines,
     Beauty, // shaded colour, linear; coverage
 };
-inline constexpr int frame_image_count = 25;
+inline constexpr int frame_image_count = 27;
 
 std::string_view name_of(FrameImage image);
 

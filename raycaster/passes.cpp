@@ -8,23 +8,21 @@
 #include "raycaster/effects/shadow.h"
 #include "raycaster/field_passes.h"
 #include "raycaster/shading.h"
+#include "raycaster/splat_passes.h"
 
 namespace isocast {
 
 std::vector<Pass> declare_passes(FrameContext& frame) {
-    const ImageSet bounds = frame.scene.quality.traversal == Traversal::BoundingFaces
-                                ? ImageSet{FrameImage::Bounds}
-                                : ImageSet{};
+    ImageSet hit_reads;
+    if (frame.one != nullptr && frame.scene.quality.traversal == Traversal::BoundingFaces)
+        hit_reads.insert(FrameImage::Bounds);
+    if (frame.seen.splats) hit_reads.insert(FrameImage::Splat);
     std::vector<Pass> passes{
         {"bounds", {}, FrameImage::Bounds, [&frame] { run_bounds(frame); }},
-        {"raycast", bounds, FrameImage::Hit,
-         [&frame] {
-             if (is_composed(frame.scene))
-                 run_composition(frame);
-             else
-                 run_raycast(frame);
-         }},
-        {"steps", {FrameImage::Hit}, FrameImage::Steps, [] {}}, // with the hits
+        {"splats", {}, FrameImage::Splat, [&frame] { run_splats(frame); }},
+        {"raycast", hit_reads, FrameImage::Hit, [&frame] { run_hits(frame); }},
+        {"steps", {FrameImage::Hit}, FrameImage::Steps, [] {}},              // with the hits
+        {"splat colour", {FrameImage::Hit}, FrameImage::SplatColour, [] {}}, // with the hits
         {"gradient", {FrameImage::Hit}, FrameImage::Gradient, [&frame] { run_gradient(frame); }},
         {"curvature",
          {FrameImage::Hit},
@@ -103,11 +101,11 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
 std::vector<gl::ProgramKey> all_programs() {
     std::vector<gl::ProgramKey> keys = field_programs();
     for (const std::vector<gl::ProgramKey>& more :
-         {composition_programs(), solid_texture_programs(), curvature_colour_programs(),
-          curvature_map_programs(), uncertainty_programs(), flow_programs(),
-          accessibility_programs(), occlusion_programs(), shadow_programs(), refraction_programs(),
-          reflection_programs(), ridges_programs(), contours_programs(), outlines_programs(),
-          shading_programs()})
+         {composition_programs(), splat_programs(), solid_texture_programs(),
+          curvature_colour_programs(), curvature_map_programs(), uncertainty_programs(),
+          flow_programs(), accessibility_programs(), occlusion_programs(), shadow_programs(),
+          refraction_programs(), reflection_programs(), ridges_programs(), contours_programs(),
+          outlines_programs(), shading_programs()})
         keys.insert(keys.end(), more.begin(), more.end());
     return keys;
 }

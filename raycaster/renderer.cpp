@@ -25,6 +25,34 @@ namespace {
 constexpr int least_shadow_map = 16;     // pixels: of which four are its empty border
 constexpr int default_shadow_map = 4096; // at most: its hits are 256 MiB while they are cast
 
+bool has_primitives(const Scene& scene) {
+    return scene.primitives && scene.primitives->count() > 0;
+}
+
+/// By the numbers of splats_of().
+std::vector<Eigen::Vector4f> colours_of(const Primitives& primitives) {
+    std::vector<Eigen::Vector4f> colours;
+    const auto append = [&](const auto& some) {
+        for (const auto& one : some)
+            colours.emplace_back(float(one.colour.x()), float(one.colour.y()),
+                                 float(one.colour.z()), 1.0F);
+    };
+    append(primitives.spheres);
+    append(primitives.ellipsoids);
+    append(primitives.cylinders);
+    append(primitives.cones);
+    append(primitives.quadrics);
+    return colours;
+}
+
+std::array<Vec3d, 8> corners_of(const Eigen::AlignedBox3d& box) {
+    std::array<Vec3d, 8> corners;
+    for (int i = 0; i < 8; ++i)
+        corners[static_cast<std::size_t>(i)] =
+            box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i));
+    return corners;
+}
+
 /// throws  InputError
 void check_look(const Look& look) {
     if (look.lights.size() > max_light_count)
@@ -80,8 +108,9 @@ void Renderer::load(Scene scene, const Progress& progress) {
     if (scene.storage.over_budget == OverBudget::Coarsen && scene.curvature_scale_voxels > 0)
         throw InputError("coarse bricks cannot have curvatures at a scale");
     check_look(scene.look);
+    if (scene.primitives) check(*scene.primitives);
     StorageOptions storage = scene.storage;
-    storage.budget_bytes /= std::ssize(objects);
+    storage.budget_bytes /= std::max<std::ptrdiff_t>(std::ssize(objects), 1);
     // What stays the same is kept; other old fields go first, so that they and the new ones are
     // never in memory together.
     std::vector<std::unique_ptr<LoadedObject>> loaded;
@@ -101,6 +130,14 @@ void Renderer::load(Scene scene, const Progress& progress) {
     }
     objects_ = std::move(loaded);
     scene_ = std::move(scene);
+    splat_colours_ = {};
+    primitives_box_ = {};
+    if (has_primitives(scene_)) {
+        const std::vector<Eigen::Vector4f> colours = colours_of(*scene_.primitives);
+        splat_colours_ = {std::as_bytes(std::span(colours)), gl::Format::Rgba32f,
+                          "colours of primitives"};
+        primitives_box_ = box_of(*scene_.primitives);
+    }
     look_textures_ = {};
     look_numbers_ = {};
     check_residence();
@@ -113,7 +150,6 @@ void Renderer::set_look(Look look) {
 }
 
 void Renderer::set_iso(double iso_world, int object) {
-    if (objects_.empty()) throw std::logic_error("no scene is loaded");
     objects_.at(static_cast<std::size_t>(object))->set_iso(iso_world);
     (scene_.field ? scene_.iso_world : scene_.objects[static_cast<std::size_t>(object)].iso_world) =
         iso_world;
@@ -132,12 +168,13 @@ void Renderer::check_residence() {
     // place in a list is kept from pass to pass.
     const bool can_stream = !scene_.quality.rate &&
                             scene_.quality.traversal == Traversal::TileLists &&
-                            !is_composed(scene_);
+                            !is_composed(scene_) && !has_primitives(scene_);
     for (const auto& object : objects_)
         if (!can_stream && !object->field().pool().holds_all())
             throw ResourceError(
                 "all bricks must fit the texture budget for sampling at a rate, for other ways to "
-                "the blocks than lists, and for composed objects, each in an equal share");
+                "the blocks than lists, for composed objects, each in an equal share, and beside "
+                "primitives");
     context_.throw_pending_error();
 }
 
@@ -146,42 +183,51 @@ Eigen::AlignedBox3d Renderer::composed_box() const {
     for (const auto& object : objects_) {
         boxes.push_back(world_box(object->surface_box(), object->object().field->space()));
     }
+    if (boxes.empty()) return primitives_box_;
+    if (!is_composed(scene_)) return boxes.front().merged(primitives_box_);
     using Box = Eigen::AlignedBox3d;
     return evaluate(
-        tree_of(scene_), std::span<const Box>(boxes),
-        [](const Box& a, const Box& b) { return a.merged(b); },
-        [](const Box& a, const Box& b) { return a.intersection(b); },
-        [](const Box& a, const Box&) { return a; });
+               tree_of(scene_), std::span<const Box>(boxes),
+               [](const Box& a, const Box& b) { return a.merged(b); },
+               [](const Box& a, const Box& b) { return a.intersection(b); },
+               [](const Box& a, const Box&) { return a; })
+        .merged(primitives_box_);
 }
 
 bool Renderer::has_surface() const {
-    return is_composed(scene_) ? !composed_box().isEmpty() : !at(0).surface_box().is_empty();
+    return has_one_field() ? !at(0).surface_box().is_empty() : !composed_box().isEmpty();
 }
 
 std::array<Vec3d, 8> Renderer::surface_box_world() const {
-    const FieldObject& first = at(0).object();
-    if (!has_surface()) return corners_of(first.field->extent(), first.field->space());
-    if (!is_composed(scene_)) return corners_of(at(0).surface_box(), first.field->space());
-    const Eigen::AlignedBox3d box = composed_box();
-    std::array<Vec3d, 8> corners;
-    for (int i = 0; i < 8; ++i)
-        corners[static_cast<std::size_t>(i)] =
-            box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i));
-    return corners;
+    if (!has_surface())
+        return corners_of(at(0).object().field->extent(), at(0).object().field->space());
+    if (has_one_field()) return corners_of(at(0).surface_box(), at(0).object().field->space());
+    return corners_of(composed_box());
 }
 
-std::vector<FrameObject> Renderer::frame_objects(const Camera& camera, int width, int height,
-                                                 const PicturePart& part) {
-    std::vector<FrameObject> objects;
-    for (const auto& object : objects_)
-        objects.push_back({object->object(),
-                           object->field(),
-                           object->derivative_field(),
-                           object->curvature_field(),
-                           {scene_.quality.traversal, object->ranges(), object->active(),
-                            object->object().field->space(), camera, width, height, part},
-                           object->box_world()});
-    return objects;
+SeenScene Renderer::seen_by(const Camera& camera, int width, int height, const PicturePart& part) {
+    SeenScene seen;
+    std::vector<std::vector<Eigen::Vector4i>> runs;
+    for (const auto& object : objects_) {
+        const FieldSource& field = *object->object().field;
+        seen.objects.push_back({object->object(),
+                                object->field(),
+                                object->derivative_field(),
+                                object->curvature_field(),
+                                {scene_.quality.traversal, object->ranges(), object->active(),
+                                 field.space(), camera, width, height, part},
+                                object->box_world()});
+        seen.extents_world.push_back(corners_of(field.extent(), field.space()));
+        runs.push_back(seen.objects.back().places.tile_runs);
+    }
+    if (has_primitives(scene_)) {
+        seen.splats.emplace(*scene_.primitives, camera, width, height, part);
+        seen.extents_world.push_back(corners_of(primitives_box_));
+        runs.push_back(seen.splats->tile_runs);
+    }
+    if (!seen.has_one_object())
+        seen.places_of_all.set_runs(union_of_runs(runs, part.width, part.height));
+    return seen;
 }
 
 FrameReport Renderer::draw(const Camera& camera, int width, int height, const ImageSet& wanted,
@@ -194,37 +240,32 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
     check_size("picture size", width, height, max_picture_extent);
     const PicturePart part = asked_part.value_or(PicturePart{.width = width, .height = height});
     check_size("drawn at a time:", part.width, part.height, gl::max_image_extent());
-    if (objects_.empty()) throw std::logic_error("no scene is loaded");
-    const std::vector<FrameObject> objects = frame_objects(camera, width, height, part);
-    const PlacesOnGpu places_of_all =
-        is_composed(scene_) ? union_of_places(objects, part.width, part.height) : PlacesOnGpu();
-    const FrameObject& first = objects.front();
+    if (objects_.empty() && !has_primitives(scene_)) throw std::logic_error("no scene is loaded");
+    const SeenScene seen = seen_by(camera, width, height, part);
     FrameReport report;
     FrameContext frame{shaders_,
                        no_vertices_,
                        scene_,
-                       first.object,
-                       first.field,
-                       first.derivative_field,
-                       first.curvature_field,
-                       is_composed(scene_) ? places_of_all : first.places,
+                       seen,
+                       seen.objects.empty() ? nullptr : &seen.objects.front(),
+                       seen.places(),
                        camera,
                        width,
                        height,
                        targets_,
                        look_textures_,
                        look_numbers_,
-                       objects,
                        part};
+    if (has_primitives(scene_)) frame.splat_colours = &splat_colours_;
     const std::vector<Pass> declared = declare_passes(frame);
     const std::vector<Pass> live = live_passes(declared, wanted);
     const auto is_live = [&](FrameImage image) { return frame.live.contains(image); };
     for (const Pass& pass : live) frame.live.insert(pass.writes);
     frame.has_fused_gradient = can_fuse_gradient(frame) && is_live(FrameImage::Gradient);
     frame.surface_box_world = [&] { return surface_box_world(); };
-    frame.find_objects = [&](const Camera& other, int other_width, int other_height) {
-        return frame_objects(other, other_width, other_height,
-                             {.width = other_width, .height = other_height});
+    frame.see = [&](const Camera& other, int other_width, int other_height) {
+        return seen_by(other, other_width, other_height,
+                       {.width = other_width, .height = other_height});
     };
     if (is_live(FrameImage::ShadowMap)) {
         const Light* light = casting_light(scene_.look);
@@ -290,6 +331,8 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
         if (pass.ran) pass.milliseconds = timers.at(pass.name).milliseconds();
     report.programs_compiled = shaders_.compiled_program_count();
     for (const auto& object : objects_) report.field_bytes += object->byte_count();
+    if (seen.splats)
+        report.splat_bytes = splat_colours_.buffer.byte_count() + seen.splats->byte_count;
     report.scratch_bytes = frame.scratch_bytes;
     report.notes = std::move(frame.notes);
     report.look_bytes = look_textures_.byte_count();

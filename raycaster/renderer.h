@@ -27,6 +27,7 @@ struct FrameReport {
     int programs_compiled = 0;      // since the renderer was made
     std::int64_t image_bytes = 0;   // textures of frame images
     std::int64_t field_bytes = 0;   // atlas, reference texture and bounding geometry
+    std::int64_t splat_bytes = 0;   // primitives that the camera can see, and all their colours
     std::int64_t scratch_bytes = 0; // textures that live during one pass alone
     std::int64_t look_bytes = 0;    // environments, colour maps, noise
     std::vector<std::string> notes; // what was chosen for the user, like a colour map's range
@@ -90,17 +91,21 @@ private:
     }
     /// throws  ResourceError if a field does not fit that must
     void check_residence();
+    /// What is drawn is one field alone.
+    bool has_one_field() const {
+        return objects_.size() == 1 && !is_composed(scene_) && primitives_box_.isEmpty();
+    }
     Eigen::AlignedBox3d composed_box() const;
 
-    /// The objects as a camera sees them.
-    std::vector<FrameObject> frame_objects(const Camera& camera, int width, int height,
-                                           const PicturePart& part);
+    SeenScene seen_by(const Camera& camera, int width, int height, const PicturePart& part);
 
     gl::Context& context_;
     gl::ShaderLibrary shaders_;
     gl::VertexArray no_vertices_;
     Scene scene_;
     std::vector<std::unique_ptr<LoadedObject>> objects_;
+    NumbersOnGpu splat_colours_;          // by primitive, if the scene has some
+    Eigen::AlignedBox3d primitives_box_;  // the same; else empty
     std::optional<LightView> shadow_map_; // where it was drawn from, if it is that of these objects
     FrameTargets targets_;
     LookTextures look_textures_;

@@ -22,7 +22,10 @@ std::vector<FieldObject> objects_of(const Scene& scene) {
         throw InputError("the scene has a field of its own and objects beside it");
     if (scene.field) return {{scene.field, scene.iso_world, scene.filter, scene.derivative_filter}};
     const std::size_t count = scene.objects.size();
-    if (count == 0) throw InputError("the scene has no field");
+    const bool has_primitives = scene.primitives && scene.primitives->count() > 0;
+    if (count == 0 && !has_primitives)
+        throw InputError("the scene has neither a field nor primitives");
+    if (count == 0) return {};
     if (count > max_object_count)
         throw InputError(fmt::format("{} objects: {} at most", count, max_object_count));
     for (std::size_t i = 0; i < count; ++i)

@@ -2,6 +2,7 @@
 // looks. SPDX-License-Identifier: MPL-2.0
 #pragma once
 
+#include "quadrics/primitives.h"
 #include "raycaster/brick_pool.h"
 #include "raycaster/camera.h"
 #include "raycaster/csg.h"
@@ -76,10 +77,13 @@ struct Scene {
     /// the extent.
     std::vector<FieldObject> objects = {};
     CsgTree tree = {}; // of `objects`; empty: their union
+    /// Drawn beside what the tree says of the fields, or alone. With fields, all bricks must fit.
+    std::shared_ptr<const Primitives> primitives = {};
 };
 
-/// The objects, one or more.
-/// throws  InputError if there is none, or both `field` and `objects`, or too many, or one without
+/// The objects; none in a scene of primitives alone.
+/// throws  InputError if there is nothing at all, or both `field` and `objects`, or too many, or
+/// one without
 ///         a field, or a tree that is wrong
 std::vector<FieldObject> objects_of(const Scene& scene);
 /// The tree of `objects`.

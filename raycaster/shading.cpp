@@ -36,6 +36,8 @@ gl::ProgramKey shading_program(ShadingModel model, bool shows_environment, std::
 std::vector<Layer> live_layers(const FrameContext& frame) {
     const Look& look = frame.scene.look;
     std::vector<Layer> layers = layers_of(look);
+    if (frame.seen.splats)
+        layers.insert(layers.begin(), {FrameImage::SplatColour, Blend::SurfaceColour, 1});
     std::erase_if(layers, [&](const Layer& layer) {
         if (frame.places.run_count == 0) return true;
         // Unlit colours know no light.
@@ -93,8 +95,10 @@ void run_shading(FrameContext& frame) {
     const std::vector<Layer> layers = live_layers(frame);
     std::map<Blend, std::size_t> counts;
     for (const Layer& layer : layers) ++counts[layer.blend];
-    const gl::Program& program = frame.shaders.program(shading_program(
-        look.model, look.shows_environment, look.lights.size(), frame.objects.size(), counts));
+    const std::size_t owners =
+        frame.seen.objects.size() + std::size_t{frame.seen.splats.has_value()};
+    const gl::Program& program = frame.shaders.program(
+        shading_program(look.model, look.shows_environment, look.lights.size(), owners, counts));
 
     frame.targets.texture(FrameImage::Hit).bind_to_unit(0);
     int unit = first_layer_unit;
@@ -111,12 +115,12 @@ void run_shading(FrameContext& frame) {
     }
 
     const Material& material = look.material;
-    for (std::size_t i = 0; i < frame.objects.size(); ++i) {
-        const FieldObject& object = frame.objects[i].object;
+    for (std::size_t i = 0; i < frame.seen.objects.size(); ++i) {
+        const FieldObject& object = frame.seen.objects[i].object;
         const Vec3d colour = object.colour.value_or(material.colour);
         program.set(fmt::format("u_colours[{}]", i).c_str(), to_float(colour));
-        if (frame.objects.size() > 1)
-            program.set(fmt::format("u_colours[{}]", frame.objects.size() + i).c_str(),
+        if (owners > 1)
+            program.set(fmt::format("u_colours[{}]", owners + i).c_str(),
                         to_float(object.cut_colour.value_or(colour)));
     }
     if (look.model != ShadingModel::Flat) {

@@ -28,7 +28,7 @@ double pixels_per_world(const FrameContext& frame) {
 
 void run_flow_noise(FrameContext& frame) {
     const Camera& camera = frame.camera;
-    const GridSpace& space = frame.object.field->space();
+    const Vec3d anchor = frame.seen.extents_world.front().front();
     const double grain = frame.scene.look.effects.flow.grain_pixels / pixels_per_world(frame);
     const bool is_perspective = camera.projection == Projection::Perspective;
     Eigen::Vector4d grain_at = Eigen::Vector4d::UnitW();
@@ -36,10 +36,11 @@ void run_flow_noise(FrameContext& frame) {
 
     // Integers hold the eye's cell where cells are 2^-30 of its distance at least; and of hits
     // nearer to it than 2^-10 of that the grain does not shrink any more.
-    const Vec3d eye = camera.eye_world - space.world_from_index.translation();
-    const Index3 extent = frame.object.field->extent().size();
-    const double reach =
-        eye.norm() + (space.world_from_index.linear() * extent.cast<double>()).norm();
+    const Vec3d eye = camera.eye_world - anchor;
+    double reach = eye.norm();
+    for (const std::array<Vec3d, 8>& corners : frame.seen.extents_world)
+        for (const Vec3d& corner : corners)
+            reach = std::max(reach, eye.norm() + (corner - anchor).norm());
     const double finest_grain = is_perspective ? grain * reach * 0x1p-10 : grain;
     const auto finest = static_cast<int>(
         std::max(std::floor(std::log2(finest_grain)), std::ceil(std::log2(reach * 0x1p-30))));

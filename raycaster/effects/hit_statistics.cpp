@@ -10,20 +10,6 @@
 
 namespace isocast {
 
-double extent_diagonal_world(const FrameContext& frame) {
-    double longest = 0;
-    for (const FrameObject& object : frame.objects) {
-        const FieldSource& field = *object.object.field;
-        const Index3 last = (field.extent().size().array() - 1).matrix();
-        for (const int y : {-1, 1}) // of the four diagonals of a box that may be skewed
-            for (const int z : {-1, 1})
-                longest = std::max(longest, (field.space().world_from_index.linear() *
-                                             Vec3d(last.x(), y * last.y(), z * last.z()))
-                                                .norm());
-    }
-    return longest;
-}
-
 namespace {
 
 /// The whole picture in small: the frame itself if it is that, else drawn once.

@@ -9,9 +9,6 @@ namespace isocast {
 /// Of FrameImage::Curvature: the gradient vanishes there.
 inline constexpr float no_gradient = 2;
 
-/// Length of the longest diagonal of an object's extent [world].
-double extent_diagonal_world(const FrameContext& frame);
-
 /// A curvature that nobody sees: a radius of a hundred objects, which across the object makes a
 /// bulge of an 800th of it [1/world].
 inline double flat_curvature(const FrameContext& frame) {

@@ -24,10 +24,10 @@ const gl::ProgramKey count_program{{"common/tiles.vert", "shading/occlusion/coun
 /// Of shaders/shading/occlusion/sky.glsl, and of the rays' way through an object's field.
 void set_sky_uniforms(const gl::Program& program, const FrameContext& frame,
                       const Occlusion& occlusion, double distance_world) {
-    frame.field.bind(program);
+    frame.field().bind(program);
     frame.targets.texture(FrameImage::Hit).bind_to_unit(3);
     frame.targets.texture(FrameImage::Gradient).bind_to_unit(4);
-    set_hit_uniforms(program, frame, frame.field);
+    set_hit_uniforms(program, frame, frame.field());
     set_extent_uniforms(program, frame);
     set_accuracy_uniforms(program, frame);
     program.set(
@@ -47,7 +47,7 @@ double lift_world(const FrameObject& object) {
 /// Ray by ray, each through all objects.
 void run_composed(FrameContext& frame, const Occlusion& occlusion, double distance_world) {
     double lift = 0;
-    for (const FrameObject& object : frame.objects) lift = std::max(lift, lift_world(object));
+    for (const FrameObject& object : frame.seen.objects) lift = std::max(lift, lift_world(object));
     const gl::Texture met = gl::Texture::image(gl::Format::Rgba32f, frame.part.width,
                                                frame.part.height, "what rays to the sky meet");
     frame.scratch_bytes += met.byte_count();
@@ -61,10 +61,10 @@ void run_composed(FrameContext& frame, const Occlusion& occlusion, double distan
         compose_roots(
             frame, met, [&](const FrameContext& object, int number) -> const gl::Program& {
                 const gl::Program& program =
-                    object.shaders.program(sky_operand_program(object.field.pool().defines()));
+                    object.shaders.program(sky_operand_program(object.field().pool().defines()));
                 set_sky_uniforms(program, object, occlusion, distance_world);
                 set_operand_uniforms(program, frame, number);
-                const Mat3d& axes = object.object.field->space().world_from_index.linear();
+                const Mat3d& axes = object.object().field->space().world_from_index.linear();
                 program.set("u_world_from_index", Eigen::Matrix3f(axes.cast<float>()));
                 program.set("u_lift_world", static_cast<float>(lift));
                 program.set("u_ray", ray);
@@ -84,7 +84,10 @@ void run_composed(FrameContext& frame, const Occlusion& occlusion, double distan
 
 void run_occlusion(FrameContext& frame) {
     const Occlusion& occlusion = frame.scene.look.effects.occlusion;
-    const FieldOnGpu& field = frame.field;
+    if (frame.seen.splats)
+        throw InputError(
+            "ambient occlusion is for fields; spheres and other primitives have none yet");
+    const FieldOnGpu& field = frame.field();
     if (!field.pool().holds_all())
         throw ResourceError("all bricks must fit the texture budget for ambient occlusion");
     double distance = occlusion.distance_world.value_or(0);
@@ -100,7 +103,7 @@ void run_occlusion(FrameContext& frame) {
     }
     const gl::Program& program = frame.shaders.program(occlusion_program(field.pool().defines()));
     set_sky_uniforms(program, frame, occlusion, distance);
-    program.set("u_lift_world", static_cast<float>(lift_world(frame.objects.front())));
+    program.set("u_lift_world", static_cast<float>(lift_world(frame.seen.objects.front())));
     draw_tiles(frame, FrameImage::Occlusion, program, {1, 0, 0, 0});
 }
 

@@ -21,17 +21,10 @@ struct Extent {
 Extent extent_of(const FrameContext& frame) {
     Extent extent{-1e30, extent_diagonal_world(frame)};
     const Mat3d view_from_world = frame.camera.view_from_world_rotation();
-    for (const FrameObject& object : frame.objects) {
-        const IndexBox box = object.object.field->extent();
-        const Vec3d lo = box.lo.cast<double>();
-        const Vec3d edges = (box.hi - box.lo).cast<double>();
-        for (int i = 0; i < 8; ++i) {
-            const Vec3d corner = object.object.field->space().to_world(
-                lo + edges.cwiseProduct(Vec3d(i & 1, i >> 1 & 1, i >> 2)));
+    for (const std::array<Vec3d, 8>& corners : frame.seen.extents_world)
+        for (const Vec3d& corner : corners)
             extent.depth =
                 std::max(extent.depth, -(view_from_world * (corner - frame.camera.eye_world)).z());
-        }
-    }
     return extent;
 }
 

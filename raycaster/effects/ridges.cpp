@@ -20,7 +20,7 @@ void run_ridges(FrameContext& frame) {
                 return 0.5 * std::max(std::abs(k[0]), std::abs(k[1]));
             });
         // On a plane that is noise: a radian within 1000 voxels at least.
-        const double least = 1 / (1000 * frame.object.field->space().voxel_size_world());
+        const double least = 1 / (1000 * detail_world(frame));
         if (threshold) threshold = std::max(*threshold, least);
         if (threshold)
             frame.notes.push_back(fmt::format("ridges: threshold {:.3g} per unit", *threshold));

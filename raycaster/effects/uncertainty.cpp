@@ -15,7 +15,7 @@ void run_uncertainty(FrameContext& frame) {
         range = percentile(frame, "uncertainty range", FrameImage::FlowLineCurvature, 0.98,
                            [](const float* curvature) { return curvature[0]; });
         // In a field of distances that is noise: a radian within 32 voxels at least.
-        const double least = 1 / (32 * frame.object.field->space().voxel_size_world());
+        const double least = 1 / (32 * detail_world(frame));
         if (range) range = std::max(*range, least);
     }
     std::optional<double> gradient = uncertainty.typical_gradient;

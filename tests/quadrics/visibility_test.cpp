@@ -24,8 +24,8 @@ struct EyeRay {
     Vec3d direction;
 };
 EyeRay eye_ray(const FootprintView& view, int i, int j) {
-    const Vec3d at((i + 0.5 - 0.5 * view.width) / view.pixels_per_unit,
-                   (j + 0.5 - 0.5 * view.height) / view.pixels_per_unit, 0);
+    const Vec3d at((i + 0.5 - view.middle_pixels.x()) / view.pixels_per_unit,
+                   (j + 0.5 - view.middle_pixels.y()) / view.pixels_per_unit, 0);
     return view.is_perspective ? EyeRay{Vec3d::Zero(), at - Vec3d::UnitZ()}
                                : EyeRay{at, -Vec3d::UnitZ()};
 }
@@ -101,10 +101,12 @@ TEST(Visibility, NoSphereThatIsSeenIsLeftOut) {
     Random random(1);
     int hits = 0;
     for (int run = 0; run < 40; ++run) {
-        FootprintView view{.is_perspective = run % 3 != 0,
-                           .width = 90 + 13 * (run % 7),
-                           .height = 50 + 11 * (run % 5),
-                           .near_depth = 0.05};
+        FootprintView view{
+            .is_perspective = run % 3 != 0,
+            .width = 90 + 13 * (run % 7),
+            .height = 50 + 11 * (run % 5),
+            .middle_pixels = {0.5 * (90 + 13 * (run % 7)), 0.5 * (50 + 11 * (run % 5))},
+            .near_depth = 0.05};
         view.pixels_per_unit = view.is_perspective ? real(random, 40, 200) : real(random, 5, 30);
         std::vector<Ball> balls;
         const int count = 1 << run % 10;
@@ -119,8 +121,11 @@ TEST(Visibility, NoSphereThatIsSeenIsLeftOut) {
 
 TEST(Visibility, WithTheEyeInACrowdAndInASphere) {
     Random random(2);
-    const FootprintView view{
-        .width = 160, .height = 120, .pixels_per_unit = 60, .near_depth = 0.01};
+    const FootprintView view{.width = 160,
+                             .height = 120,
+                             .middle_pixels = {80, 60},
+                             .pixels_per_unit = 60,
+                             .near_depth = 0.01};
     std::vector<Ball> balls{{{0.1, 0, 0}, 0.5}, {{0, 0, -30}, 29.995}};
     for (int i = 0; i < 500; ++i) balls.push_back({4 * in_ball(random), real(random, 0.01, 0.5)});
     int hits = 0;
@@ -129,7 +134,11 @@ TEST(Visibility, WithTheEyeInACrowdAndInASphere) {
 }
 
 TEST(Visibility, OfEqualSpheresAtOnePlaceOneIsLeft) {
-    const FootprintView view{.width = 64, .height = 64, .pixels_per_unit = 40, .near_depth = 0.01};
+    const FootprintView view{.width = 64,
+                             .height = 64,
+                             .middle_pixels = {32, 32},
+                             .pixels_per_unit = 40,
+                             .near_depth = 0.01};
     const std::vector<Ball> balls(1000, Ball{{0, 0, -3}, 1});
     const auto footprints = footprints_of(view, balls);
     EXPECT_GE(visible_footprints(footprints, 64, 64).size(), 1U);
@@ -141,7 +150,8 @@ TEST(Visibility, OfEqualSpheresAtOnePlaceOneIsLeft) {
 
 TEST(Visibility, EmptyPicturesAndListsAreEmpty) {
     EXPECT_TRUE(visible_footprints({}, 100, 100).empty());
-    const FootprintView view{.width = 8, .height = 8, .pixels_per_unit = 8, .near_depth = 0.01};
+    const FootprintView view{
+        .width = 8, .height = 8, .middle_pixels = {4, 4}, .pixels_per_unit = 8, .near_depth = 0.01};
     const std::vector<Ball> beside{{{50, 0, -3}, 1}, {{0, -50, -3}, 1}};
     EXPECT_TRUE(visible_footprints(footprints_of(view, beside), 8, 8).empty());
 }
@@ -149,8 +159,11 @@ TEST(Visibility, EmptyPicturesAndListsAreEmpty) {
 TEST(Visibility, FewOfManySpheresInABallAreLeft) {
     // As in table 7.2's largest scenes: 52,000 spheres in a ball, 45 over each pixel.
     Random random(3);
-    const FootprintView view{
-        .width = 1024, .height = 768, .pixels_per_unit = 1433, .near_depth = 0.01};
+    const FootprintView view{.width = 1024,
+                             .height = 768,
+                             .middle_pixels = {512, 384},
+                             .pixels_per_unit = 1433,
+                             .near_depth = 0.01};
     std::vector<Ball> balls;
     for (int i = 0; i < 52000; ++i)
         balls.push_back({in_ball(random) - Vec3d(0, 0, 4.2), real(random, 0.02, 0.03)});

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: MPL-2.0
+#include "quadrics/splats.h"
+
+#include "quadrics/quadric.h"
+#include "quadrics/visibility.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace isocast {
+
+namespace {
+
+constexpr double margin_pixels = 1.0 / 16;
+/// Rectangles that reach farther are cut to the picture: floats know them to a 64th of a pixel.
+constexpr double greatest_pixels = 1 << 17;
+
+/// Where a primitive is drawn: a corner and two sides [pixels].
+struct Rectangle {
+    Eigen::Vector2d corner = Eigen::Vector2d::Zero();
+    Eigen::Vector2d side_a = Eigen::Vector2d::Zero();
+    Eigen::Vector2d side_b = Eigen::Vector2d::Zero();
+};
+
+/// The whole part.
+Rectangle everywhere(const SplatView& view) {
+    return {{-1, -1}, {view.width + 2.0, 0}, {0, view.height + 2.0}};
+}
+
+/// throws nothing; `bounds` is not Nothing
+Rectangle rectangle_of(const ScreenBounds& bounds, const SplatView& view) {
+    if (bounds.extent == ScreenExtent::Everything) return everywhere(view);
+    const Eigen::Vector2d lo =
+        bounds.lo * view.pixels_per_unit - Eigen::Vector2d::Constant(margin_pixels);
+    const Eigen::Vector2d hi =
+        bounds.hi * view.pixels_per_unit + Eigen::Vector2d::Constant(margin_pixels);
+    const Eigen::Vector2d across = bounds.other_axis();
+    const Rectangle rectangle{view.middle_pixels + bounds.axis * lo.x() + across * lo.y(),
+                              bounds.axis * (hi.x() - lo.x()), across * (hi.y() - lo.y())};
+    const double reach = std::max({lo.cwiseAbs().maxCoeff(), hi.cwiseAbs().maxCoeff(),
+                                   rectangle.corner.cwiseAbs().maxCoeff()});
+    return reach < greatest_pixels ? rectangle : everywhere(view);
+}
+
+PixelBox box_of(const Rectangle& r) {
+    const Eigen::Vector2d lo = r.corner + r.side_a.cwiseMin(0) + r.side_b.cwiseMin(0);
+    const Eigen::Vector2d hi = r.corner + r.side_a.cwiseMax(0) + r.side_b.cwiseMax(0);
+    return {static_cast<float>(lo.x()), static_cast<float>(hi.x()), static_cast<float>(lo.y()),
+            static_cast<float>(hi.y())};
+}
+
+FootprintView footprint_view(const SplatView& view) {
+    return {.is_perspective = view.space.is_perspective,
+            .width = view.width,
+            .height = view.height,
+            .middle_pixels = view.middle_pixels,
+            .pixels_per_unit = view.pixels_per_unit};
+}
+
+constexpr Footprint nothing{1, -1, 1, -1, 0, 0, 0, 0, 0};
+
+/// Without a disc: it hides nothing.
+Footprint footprint_of(const ScreenBounds& bounds, double nearest_depth, const SplatView& view) {
+    if (bounds.extent == ScreenExtent::Nothing) return nothing;
+    const PixelBox box = box_of(rectangle_of(bounds, view));
+    const double nearest = view.space.is_perspective ? std::max(nearest_depth, 0.0) : nearest_depth;
+    return {box.x_lo, box.x_hi, box.y_lo, box.y_hi, static_cast<float>(nearest), 0, 0, 0, 0};
+}
+
+Vec3d in_view(const PictureSpace& space, const Vec3d& p_world) {
+    return space.view_from_world * (p_world - space.eye_world);
+}
+
+Footprint footprint_of(const Sphere& sphere, const SplatView& view) {
+    const Vec3d centre_view = in_view(view.space, sphere.centre_world);
+    if (centre_view.z() - sphere.radius_world >= 0) return nothing;
+    Footprint footprint = sphere_footprint(footprint_view(view), centre_view, sphere.radius_world);
+    // One that the plane of parallel rays' starts cuts open shows its far side.
+    if (!view.space.is_perspective && footprint.nearest_depth < 0) footprint.disc_radius = 0;
+    return footprint;
+}
+
+Footprint footprint_of(const Ellipsoid& ellipsoid, const SplatView& view) {
+    const Vec3d centre_view = in_view(view.space, ellipsoid.centre_world);
+    const double half_depth =
+        (ellipsoid.axes_world.transpose() * view.space.view_from_world.row(2).transpose()).norm();
+    Footprint footprint =
+        footprint_of(screen_bounds(ellipsoid, view.space), -centre_view.z() - half_depth, view);
+    // A ray that meets a ball within meets the ellipsoid before it. The norm is not less than the
+    // greatest singular value.
+    const double radius = 1 / ellipsoid.axes_world.inverse().norm();
+    if (footprint.x_lo <= footprint.x_hi && centre_view.z() + half_depth < 0) {
+        const Footprint ball = sphere_footprint(footprint_view(view), centre_view, radius);
+        footprint.disc_x = ball.disc_x;
+        footprint.disc_y = ball.disc_y;
+        footprint.disc_radius = ball.disc_radius;
+        footprint.disc_depth = ball.disc_depth;
+    }
+    return footprint;
+}
+
+Footprint footprint_between(const Vec3d& a_world, const Vec3d& b_world, double radius_a,
+                            double radius_b, const ScreenBounds& bounds, const SplatView& view) {
+    const double axis_z =
+        view.space.view_from_world.row(2).dot((b_world - a_world).stableNormalized());
+    const double tilt = std::sqrt(std::max(0.0, 1 - axis_z * axis_z)); // of the discs at the ends
+    const double nearest = std::min(-in_view(view.space, a_world).z() - radius_a * tilt,
+                                    -in_view(view.space, b_world).z() - radius_b * tilt);
+    return footprint_of(bounds, nearest, view);
+}
+
+Footprint footprint_of(const Cylinder& c, const SplatView& view) {
+    return footprint_between(c.a_world, c.b_world, c.radius_world, c.radius_world,
+                             screen_bounds(c, view.space), view);
+}
+
+Footprint footprint_of(const Cone& c, const SplatView& view) {
+    return footprint_between(c.a_world, c.b_world, c.radius_a_world, c.radius_b_world,
+                             screen_bounds(c, view.space), view);
+}
+
+Footprint footprint_of(const ClippedQuadric& quadric, const SplatView& view) {
+    const double half_depth =
+        (quadric.axes_world.transpose() * view.space.view_from_world.row(2).transpose())
+            .cwiseAbs()
+            .sum();
+    return footprint_of(screen_bounds(quadric, view.space),
+                        -in_view(view.space, quadric.centre_world).z() - half_depth, view);
+}
+
+void append(std::vector<float>& record, std::initializer_list<double> values) {
+    for (const double value : values) record.push_back(static_cast<float>(value));
+}
+
+void append_splat(const Sphere& sphere, std::size_t index, const SplatView& view,
+                  const Footprint& footprint, Splats& out) {
+    const Vec3d o = sphere.centre_world - view.space.eye_world;
+    const double r = sphere.radius_world;
+    const double distance = o.stableNorm();
+    append(out.records[static_cast<std::size_t>(SplatKind::Sphere)],
+           {footprint.x_lo - margin_pixels, footprint.y_lo - margin_pixels,
+            footprint.x_hi - footprint.x_lo + 2 * margin_pixels,
+            footprint.y_hi - footprint.y_lo + 2 * margin_pixels, (distance - r) * (distance + r),
+            double(index), 0, 0, o.x(), o.y(), o.z(), r});
+}
+
+void append_quadric(SplatKind kind, const Quadric& quadric, const ScreenBounds& bounds,
+                    std::size_t index, const SplatView& view, Splats& out) {
+    const SeenQuadric<double> seen = seen_from<double>(quadric, view.space.eye_world);
+    const Rectangle r = rectangle_of(bounds, view);
+    // Parallel rays start elsewhere.
+    const bool is_near = seen.is_near && view.space.is_perspective;
+    const int flags = int{is_near} + 2 * int{seen.has_cap[0]} + 4 * int{seen.has_cap[1]};
+    const Mat3d& m = seen.local_from_world;
+    std::vector<float>& record = out.records[static_cast<std::size_t>(kind)];
+    append(record, {r.corner.x(),    r.corner.y(),    r.side_a.x(),    r.side_a.y(),
+                    r.side_b.x(),    r.side_b.y(),    double(index),   double(flags),
+                    seen.centre.x(), seen.centre.y(), seen.centre.z(), seen.value_at_origin,
+                    m(0, 0),         m(0, 1),         m(0, 2),         seen.radius_middle,
+                    m(1, 0),         m(1, 1),         m(1, 2),         seen.radius_slope,
+                    m(2, 0),         m(2, 1),         m(2, 2),         seen.c});
+    if (kind == SplatKind::General)
+        append(record, {seen.a(0, 0), seen.a(0, 1), seen.a(0, 2), seen.b.x(), seen.a(1, 1),
+                        seen.a(1, 2), seen.a(2, 2), seen.b.y(), seen.b.z(), 0, 0, 0});
+}
+
+} // namespace
+
+Splats splats_of(const Primitives& primitives, const SplatView& view) {
+    // f(primitive, its place in its vector), for the primitive of a number.
+    const auto visit = [&](std::size_t number, auto f) {
+        const auto is_in = [&](const auto& some) {
+            if (number < some.size()) {
+                f(some[number]);
+                return true;
+            }
+            number -= some.size();
+            return false;
+        };
+        (void)(is_in(primitives.spheres) || is_in(primitives.ellipsoids) ||
+               is_in(primitives.cylinders) || is_in(primitives.cones) ||
+               is_in(primitives.quadrics));
+    };
+    std::vector<Footprint> footprints(primitives.count());
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, footprints.size(), 256),
+                      [&](const tbb::blocked_range<std::size_t>& range) {
+                          for (std::size_t i = range.begin(); i < range.end(); ++i)
+                              visit(i, [&](const auto& primitive) {
+                                  footprints[i] = footprint_of(primitive, view);
+                              });
+                      });
+    Splats out;
+    for (const std::uint32_t i : visible_footprints(footprints, view.width, view.height)) {
+        const Footprint& footprint = footprints[i];
+        out.boxes.push_back({footprint.x_lo, footprint.x_hi, footprint.y_lo, footprint.y_hi});
+        visit(i, [&](const auto& primitive) {
+            using Primitive = std::decay_t<decltype(primitive)>;
+            if constexpr (std::is_same_v<Primitive, Sphere>) {
+                append_splat(primitive, i, view, footprint, out);
+            } else {
+                const SplatKind kind = std::is_same_v<Primitive, Ellipsoid> ? SplatKind::Ellipsoid
+                                       : std::is_same_v<Primitive, ClippedQuadric>
+                                           ? SplatKind::General
+                                           : SplatKind::Cone;
+                append_quadric(kind, quadric_of(primitive), screen_bounds(primitive, view.space), i,
+                               view, out);
+            }
+        });
+    }
+    return out;
+}
+
+} // namespace isocast

@@ -1,0 +1,56 @@
+// What a picture takes of each primitive that it can show: a rectangle of pixels, and the numbers
+// by which rays meet the primitive.
+// SPDX-License-Identifier: MPL-2.0
+#pragma once
+
+#include "quadrics/primitives.h"
+#include "quadrics/screen_bounds.h"
+
+#include <array>
+#include <vector>
+
+namespace isocast {
+
+/// A picture, or a part of one, as a camera sees it.
+struct SplatView {
+    PictureSpace space;
+    double pixels_per_unit = 1; // of the plane of the picture: of a slope, or of a world unit
+    /// Where the camera looks, from the part's bottom left corner, upwards [pixels].
+    Eigen::Vector2d middle_pixels = Eigen::Vector2d::Zero();
+    int width = 1; // of the part [pixels]
+    int height = 1;
+};
+
+/// Which code meets a splat's rays.
+enum class SplatKind { Sphere, Ellipsoid, Cone, General }; // cylinders are cones
+inline constexpr int splat_kind_count = 4;
+/// Floats of a splat, by kind; shaders/quadrics/splat.glsl says which.
+inline constexpr std::array<int, splat_kind_count> splat_floats{12, 24, 24, 36};
+
+/// Pixels from the part's bottom left corner, upwards.
+struct PixelBox {
+    float x_lo, x_hi;
+    float y_lo, y_hi;
+};
+
+/// The primitives that a picture can show, the nearest first within each kind.
+struct Splats {
+    std::array<std::vector<float>, splat_kind_count> records;
+    std::vector<PixelBox> boxes; // that hold them, of all
+
+    int count(SplatKind kind) const {
+        const auto k = static_cast<std::size_t>(kind);
+        return static_cast<int>(records[k].size() / static_cast<std::size_t>(splat_floats[k]));
+    }
+};
+
+/// Primitives are numbered kind by kind in the order of Primitives.
+///
+/// primitives  checked
+/// returns     those of which some part is in front of the eye and within the part of the picture,
+///             and that no nearer spheres or ellipsoids hide (visible_footprints)
+/// accuracy    rectangles have a 16th of a pixel to spare; differences from the eye are taken in
+///             double, so that the distance of the scene from the world's origin costs nothing
+Splats splats_of(const Primitives& primitives, const SplatView& view);
+
+} // namespace isocast

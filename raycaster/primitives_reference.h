@@ -1,0 +1,29 @@
+// A double ray caster for primitives, which pictures are checked against.
+// SPDX-License-Identifier: MPL-2.0
+#pragma once
+
+#include "quadrics/primitives.h"
+#include "raycaster/camera.h"
+
+#include <limits>
+#include <vector>
+
+namespace isocast {
+
+/// What a ray meets first: a primitive by its number, kind by kind in the order of Primitives, or
+/// -1; and how far along camera_ray()'s direction.
+struct SeenPrimitive {
+    int number = -1;
+    double t = std::numeric_limits<double>::infinity();
+};
+
+/// Of each pixel of a picture, the top row first. Each ray is tried against every primitive that
+/// its pixel is near to: of spheres in a cone half as wide again as the one that holds them, of
+/// others in the rectangle of screen_bounds() and 3 pixels around it.
+///
+/// primitives  checked
+/// source      spheres by their closest approach to the ray, others by intersect(), in double
+std::vector<SeenPrimitive> cast_primitives(const Primitives& primitives, const Camera& camera,
+                                           int width, int height);
+
+} // namespace isocast

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: MPL-2.0
+#include "raycaster/splat_passes.h"
+
+#include "raycaster/field_passes.h"
+
+#include <fmt/format.h>
+#include <glad/gl.h>
+
+#include <array>
+
+namespace isocast {
+
+namespace {
+
+using Defines = std::map<std::string, std::string>;
+
+gl::ProgramKey splat_program(SplatKind kind, bool is_perspective) {
+    const auto k = static_cast<std::size_t>(kind);
+    return {{"quadrics/splat.vert", "quadrics/splat.frag"},
+            {{"KIND", std::to_string(k)},
+             {"FLOATS4", std::to_string(splat_floats[k] / 4)},
+             {"IS_PERSPECTIVE", is_perspective ? "1" : "0"}}};
+}
+
+/// kinds  by bits
+Defines defines_of(unsigned kinds, bool is_perspective, bool has_hessian) {
+    Defines defines{{"IS_PERSPECTIVE", is_perspective ? "1" : "0"},
+                    {"HAS_HESSIAN", has_hessian ? "1" : "0"}};
+    for (unsigned k = 0; k < splat_kind_count; ++k)
+        defines.emplace(fmt::format("HAS_{}", k), (kinds >> k & 1) != 0 ? "1" : "0");
+    return defines;
+}
+
+gl::ProgramKey resolve_program(Defines defines, bool has_fields, bool has_gradient,
+                               bool has_colour) {
+    defines.emplace("HAS_FIELDS", has_fields ? "1" : "0");
+    defines.emplace("GRADIENT_AT", has_gradient ? "1" : "-1");
+    defines.emplace("COLOUR_AT", has_colour ? (has_gradient ? "2" : "1") : "-1");
+    return {{"common/tiles.vert", "quadrics/resolve.frag"}, std::move(defines)};
+}
+
+gl::ProgramKey derivatives_program(Defines defines, int order, const ImageSet& images) {
+    defines.emplace("ORDER", std::to_string(order));
+    if (order == 2) add_second_order_defines(defines, images);
+    return {{"common/tiles.vert", "quadrics/derivatives.frag"}, std::move(defines)};
+}
+
+bool is_perspective(const FrameContext& frame) {
+    return frame.camera.projection == Projection::Perspective;
+}
+
+unsigned kinds_of(const SplatsOnGpu& splats) {
+    unsigned kinds = 0;
+    for (const SplatsOnGpu::OfKind& of_kind : splats.kinds)
+        kinds |= 1U << static_cast<unsigned>(of_kind.kind);
+    return kinds;
+}
+
+/// Of shaders/quadrics/splat.glsl.
+void set_ray_uniforms(const gl::Program& program, const FrameContext& frame) {
+    program.set(
+        "u_ray_vector",
+        Eigen::Matrix3f(
+            world_vector_coefficients(frame.camera, frame.width, frame.height).cast<float>()));
+    if (!is_perspective(frame))
+        program.set(
+            "u_ray_start",
+            Eigen::Matrix3f(
+                world_start_coefficients(frame.camera, frame.width, frame.height).cast<float>()));
+    set_first_pixel(frame, program);
+}
+
+/// Of shaders/quadrics/splats.glsl.
+void set_splat_uniforms(const gl::Program& program, const FrameContext& frame) {
+    set_ray_uniforms(program, frame);
+    frame.targets.texture(FrameImage::Splat).bind_to_unit(5);
+    constexpr unsigned first_unit = 6;
+    Eigen::Vector4i first_slots = Eigen::Vector4i::Zero();
+    Eigen::Vector4i counts = Eigen::Vector4i::Zero();
+    for (const SplatsOnGpu::OfKind& of_kind : frame.seen.splats->kinds) {
+        const auto k = static_cast<unsigned>(of_kind.kind);
+        of_kind.records.texture.bind_to_unit(first_unit + k);
+        first_slots[k] = of_kind.first_slot;
+        counts[k] = of_kind.count;
+    }
+    program.set("u_first_slots", first_slots);
+    program.set("u_counts", counts);
+}
+
+float owner_number(const FrameContext& frame) {
+    return static_cast<float>(frame.seen.objects.size() + 1);
+}
+
+} // namespace
+
+void run_splats(FrameContext& frame) {
+    const PicturePart& part = frame.part;
+    const gl::Texture depth =
+        gl::Texture::image(gl::Format::Depth32f, part.width, part.height, "depth of splats");
+    frame.scratch_bytes += depth.byte_count();
+    const gl::Framebuffer target({&frame.targets.texture(FrameImage::Splat)}, "splats", &depth);
+    target.bind();
+    const Eigen::Vector4f none = Eigen::Vector4f::Zero();
+    glClearBufferfv(GL_COLOR, 0, none.data());
+    glClearBufferfv(GL_DEPTH, 0, none.data()); // infinitely far
+    set_fixed_state();
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_GREATER);
+    for (const SplatsOnGpu::OfKind& of_kind : frame.seen.splats->kinds) {
+        const gl::Program& program =
+            frame.shaders.program(splat_program(of_kind.kind, is_perspective(frame)));
+        set_ray_uniforms(program, frame);
+        program.set("u_clip_from_pixel", Eigen::Vector2f(2 / static_cast<float>(part.width),
+                                                         2 / static_cast<float>(part.height)));
+        program.set("u_first_slot", of_kind.first_slot);
+        // So small that what is nearer than 1e-20 of the scene's size alone is clamped.
+        program.set("u_depth_unit", static_cast<float>(1e-20 * extent_diagonal_world(frame)));
+        of_kind.vertices.bind();
+        program.use();
+        glDrawElementsInstanced(GL_TRIANGLE_STRIP, 4, GL_UNSIGNED_SHORT, nullptr, of_kind.count);
+    }
+    glDisable(GL_DEPTH_TEST);
+}
+
+void resolve_splats(FrameContext& frame) {
+    const SplatsOnGpu& splats = *frame.seen.splats;
+    const bool has_fields = !frame.seen.objects.empty();
+    const bool has_gradient = frame.has_fused_gradient;
+    const bool has_colour = frame.live.contains(FrameImage::SplatColour);
+    std::vector<const gl::Texture*> targets{&frame.targets.texture(FrameImage::Hit)};
+    if (has_gradient) targets.push_back(&frame.targets.texture(FrameImage::Gradient));
+    if (has_colour) targets.push_back(&frame.targets.texture(FrameImage::SplatColour));
+    const gl::Framebuffer target(targets, "hits of splats");
+    target.bind();
+    const Eigen::Vector4f none = Eigen::Vector4f::Zero();
+    if (!has_fields) {
+        glClearBufferfv(GL_COLOR, 0, none.data());
+        if (has_gradient) glClearBufferfv(GL_COLOR, 1, none.data());
+    }
+    if (has_colour) glClearBufferfv(GL_COLOR, has_gradient ? 2 : 1, none.data());
+    if (splats.kinds.empty()) return;
+    const gl::Program& program = frame.shaders.program(
+        resolve_program(defines_of(kinds_of(splats), is_perspective(frame), false), has_fields,
+                        has_gradient, has_colour));
+    set_splat_uniforms(program, frame);
+    program.set("u_object", owner_number(frame));
+    if (has_fields) {
+        frame.targets.texture(FrameImage::Hit).bind_to_unit(0);
+        glTextureBarrier();
+    }
+    if (has_colour) frame.splat_colours->texture.bind_to_unit(4);
+    draw_on_tiles(frame, program);
+}
+
+void draw_splat_derivatives(const FrameContext& frame, int order) {
+    const SplatsOnGpu& splats = *frame.seen.splats;
+    if (splats.kinds.empty()) return;
+    const gl::Program& program = frame.shaders.program(derivatives_program(
+        defines_of(kinds_of(splats), is_perspective(frame), order == 2), order, frame.live));
+    set_splat_uniforms(program, frame);
+    frame.targets.texture(FrameImage::Hit).bind_to_unit(0);
+    program.set("u_object", owner_number(frame));
+    if (order == 2 && frame.live.contains(FrameImage::ViewCurvature))
+        program.set(
+            "u_ray_vector_world",
+            Eigen::Matrix3f(
+                world_vector_coefficients(frame.camera, frame.width, frame.height).cast<float>()));
+    draw_on_tiles(frame, program);
+}
+
+std::vector<gl::ProgramKey> splat_programs() {
+    std::vector<gl::ProgramKey> keys;
+    for (const bool is_perspective : {false, true}) {
+        for (int k = 0; k < splat_kind_count; ++k)
+            keys.push_back(splat_program(static_cast<SplatKind>(k), is_perspective));
+        // Kinds add code, each its own: each alone and all together.
+        for (const unsigned kinds : {1U, 2U, 4U, 8U, 15U}) {
+            for (const bool has_fields : {false, true})
+                for (const bool has_gradient : {false, true})
+                    for (const bool has_colour : {false, true})
+                        keys.push_back(resolve_program(defines_of(kinds, is_perspective, false),
+                                                       has_fields, has_gradient, has_colour));
+            keys.push_back(derivatives_program(defines_of(kinds, is_perspective, false), 1, {}));
+            for (const FrameImage image :
+                 {FrameImage::Curvature, FrameImage::Direction, FrameImage::ViewCurvature,
+                  FrameImage::FlowLineCurvature})
+                keys.push_back(
+                    derivatives_program(defines_of(kinds, is_perspective, true), 2, {image}));
+        }
+    }
+    return keys;
+}
+
+} // namespace isocast

@@ -1,0 +1,21 @@
+// The passes that draw primitives: which one a pixel shows, where it is hit, and how it bends.
+// SPDX-License-Identifier: MPL-2.0
+#pragma once
+
+#include "raycaster/frame.h"
+
+namespace isocast {
+
+/// FrameImage::Splat, of what no field hides: order-independent, by depth.
+void run_splats(FrameContext& frame);
+/// Puts the splats' hits among those of the fields; the nearer wins. Colours with them where they
+/// are asked for, and normals where the frame's gradients are drawn with hits.
+void resolve_splats(FrameContext& frame);
+/// Into the bound framebuffer, where splats are hit: normals (order 1), or what the live passes of
+/// second order ask for (order 2).
+void draw_splat_derivatives(const FrameContext& frame, int order);
+
+/// Every program that these can ask for.
+std::vector<gl::ProgramKey> splat_programs();
+
+} // namespace isocast

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MPL-2.0
+#include "raycaster/splats_on_gpu.h"
+
+#include <algorithm>
+
+namespace isocast {
+
+namespace {
+
+SplatView view_of(const Camera& camera, int width, int height, const PicturePart& part) {
+    const double pixels_per_unit = height / (2 * camera.half_height_at(1));
+    return {.space = {.eye_world = camera.eye_world,
+                      .view_from_world = camera.view_from_world_rotation(),
+                      .is_perspective = camera.projection == Projection::Perspective},
+            .pixels_per_unit = pixels_per_unit,
+            .middle_pixels = Eigen::Vector2d(width, height) / 2 - part.first_pixel(height),
+            .width = part.width,
+            .height = part.height};
+}
+
+/// The tiles that any of the boxes touches.
+std::vector<Eigen::Vector4i> runs_of(const std::vector<PixelBox>& boxes, const PicturePart& part) {
+    const int columns = tiles_along(part.width);
+    const int rows = tiles_along(part.height);
+    // How many boxes there are more than to the left, and than below: sums over both axes count.
+    const auto stride = static_cast<std::size_t>(columns) + 1;
+    std::vector<int> counts(stride * (static_cast<std::size_t>(rows) + 1), 0);
+    const auto tile_at = [](float pixel, int tiles) {
+        const float tile = std::floor(pixel / tile_pixels);
+        return static_cast<int>(std::clamp(tile, 0.0F, static_cast<float>(tiles)));
+    };
+    for (const PixelBox& box : boxes) {
+        // A rectangle's margin, and more, since boxes of spheres come without it.
+        const int x_lo = tile_at(box.x_lo - 1, columns);
+        const int x_hi = tile_at(box.x_hi + 1 + tile_pixels, columns);
+        const int y_lo = tile_at(box.y_lo - 1, rows);
+        const int y_hi = tile_at(box.y_hi + 1 + tile_pixels, rows);
+        const auto at = [&](int x, int y) -> int& {
+            return counts[static_cast<std::size_t>(x) + stride * static_cast<std::size_t>(y)];
+        };
+        ++at(x_lo, y_lo);
+        --at(x_hi, y_lo);
+        --at(x_lo, y_hi);
+        ++at(x_hi, y_hi);
+    }
+    for (std::size_t y = 0; y <= static_cast<std::size_t>(rows); ++y)
+        for (std::size_t x = 1; x < stride; ++x)
+            counts[x + stride * y] += counts[x - 1 + stride * y];
+    for (std::size_t i = stride; i < counts.size(); ++i) counts[i] += counts[i - stride];
+    return runs_of_tiles(part.width, part.height, [&](std::size_t tile) {
+        const auto width = static_cast<std::size_t>(columns);
+        return counts[tile % width + stride * (tile / width)] > 0;
+    });
+}
+
+} // namespace
+
+SplatsOnGpu::SplatsOnGpu(const Primitives& primitives, const Camera& camera, int width, int height,
+                         const PicturePart& part) {
+    const Splats splats = splats_of(primitives, view_of(camera, width, height, part));
+    constexpr std::array<std::uint16_t, 4> strip{0, 1, 2, 3};
+    corners = gl::Buffer(std::as_bytes(std::span(strip)), "corners of splats");
+    int slot = 0;
+    for (std::size_t k = 0; k < splats.records.size(); ++k) {
+        const std::vector<float>& records = splats.records[k];
+        if (records.empty()) continue;
+        OfKind& of_kind = kinds.emplace_back();
+        of_kind.kind = static_cast<SplatKind>(k);
+        of_kind.count = splats.count(of_kind.kind);
+        of_kind.first_slot = slot;
+        of_kind.records = {std::as_bytes(std::span(records)), gl::Format::Rgba32f, "splats"};
+        const std::vector<gl::AttributeType> attributes(
+            static_cast<std::size_t>(splat_floats[k]) / 4, gl::AttributeType::Float4);
+        of_kind.vertices =
+            gl::VertexArray::instanced(of_kind.records.buffer, attributes, corners, "splats");
+        slot += of_kind.count;
+        byte_count += of_kind.records.buffer.byte_count();
+    }
+    tile_runs = runs_of(splats.boxes, part);
+}
+
+} // namespace isocast

@@ -1,0 +1,31 @@
+// Spheres and other quadrics of a scene as rectangles that the GL draws (thesis chapter 7).
+// SPDX-License-Identifier: MPL-2.0
+#pragma once
+
+#include "quadrics/splats.h"
+#include "raycaster/camera.h"
+#include "raycaster/field_on_gpu.h"
+
+namespace isocast {
+
+/// The primitives that one camera can see, as shaders/quadrics take them.
+struct SplatsOnGpu {
+    /// part  of a picture of width x height
+    SplatsOnGpu(const Primitives& primitives, const Camera& camera, int width, int height,
+                const PicturePart& part);
+
+    /// Those of one kind.
+    struct OfKind {
+        SplatKind kind = SplatKind::Sphere;
+        int count = 0;
+        int first_slot = 0; // splats are numbered through all kinds, from 0
+        NumbersOnGpu records;
+        gl::VertexArray vertices; // an instance for each, of four vertices
+    };
+    std::vector<OfKind> kinds;              // that are there
+    gl::Buffer corners;                     // numbers of the four vertices
+    std::vector<Eigen::Vector4i> tile_runs; // of tiles that can show one, as TileLists::runs()
+    std::int64_t byte_count = 0;
+};
+
+} // namespace isocast

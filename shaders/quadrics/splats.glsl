@@ -1,0 +1,90 @@
+// The splat that a pixel shows.
+// SPDX-License-Identifier: MPL-2.0
+#include "quadrics/splat.glsl"
+//
+// HAS_0 ... HAS_3: whether there are splats of each kind (quadrics/splats.h: SplatKind).
+
+layout(binding = 5) uniform sampler2D t_splat; // number + 1; 0: none
+layout(binding = 6) uniform samplerBuffer t_splats[4]; // by kind
+uniform ivec4 u_first_slots; // by kind
+uniform ivec4 u_counts;
+
+struct Seen {
+    QuadricHit hit;
+    float number;  // of the primitive
+    mat3 hessian;  // of a function whose gradient is the normal [1/world]; flat on caps
+};
+
+bool is_of(int slot, int kind) {
+    return slot >= u_first_slots[kind] && slot < u_first_slots[kind] + u_counts[kind];
+}
+
+// The Hessian of f by the length of its gradient.
+mat3 hessian_of(int kind, Quadric quadric, QuadricHit hit) {
+#if HAS_HESSIAN
+    mat3 m = quadric.local_from_world;
+    float gradient = length(transpose(m) * half_gradient(kind, quadric, hit.q));
+    return hit.is_cap || gradient == 0.0
+               ? mat3(0.0)
+               : transpose(m) * half_hessian(kind, quadric) * m / gradient;
+#else
+    return mat3(0.0);
+#endif
+}
+
+// Loops for conditions, since software rasterisers run all sides of a condition; what ends them is
+// computed, or the compiler would see that they run but once.
+Seen seen_splat(int slot) {
+    vec3 v = ray_vector();
+    vec3 start = ray_start();
+    Seen seen = Seen(QuadricHit(nowhere, vec3(0.0), vec3(0.0), false), 0.0, mat3(0.0));
+#if HAS_0
+    for (bool is_here = is_of(slot, 0); is_here; is_here = seen.number < -1.0) {
+        int at = 3 * (slot - u_first_slots[0]);
+        vec4 at_eye = texelFetch(t_splats[0], at + 1);
+        vec4 sphere = texelFetch(t_splats[0], at + 2);
+        QuadricHit hit = sphere_hit(at_eye, sphere, v, start);
+#if HAS_HESSIAN
+        mat3 hessian = (mat3(1.0) - outerProduct(hit.normal, hit.normal)) / sphere.w;
+#else
+        mat3 hessian = mat3(0.0);
+#endif
+        seen = Seen(hit, at_eye.y, hessian);
+    }
+#endif
+#if HAS_1
+    for (bool is_here = is_of(slot, 1); is_here; is_here = seen.number < -1.0) {
+        int at = 6 * (slot - u_first_slots[1]);
+        vec4 more = texelFetch(t_splats[1], at + 1);
+        Quadric quadric = ellipsoid_of(more.w, texelFetch(t_splats[1], at + 2),
+                                       texelFetch(t_splats[1], at + 3), texelFetch(t_splats[1], at + 4),
+                                       texelFetch(t_splats[1], at + 5), start);
+        QuadricHit hit = first_hit(ball, quadric, v, 0.0);
+        seen = Seen(hit, more.z, hessian_of(ball, quadric, hit));
+    }
+#endif
+#if HAS_2
+    for (bool is_here = is_of(slot, 2); is_here; is_here = seen.number < -1.0) {
+        int at = 6 * (slot - u_first_slots[2]);
+        vec4 more = texelFetch(t_splats[2], at + 1);
+        Quadric quadric = ellipsoid_of(more.w, texelFetch(t_splats[2], at + 2),
+                                       texelFetch(t_splats[2], at + 3), texelFetch(t_splats[2], at + 4),
+                                       texelFetch(t_splats[2], at + 5), start);
+        QuadricHit hit = first_hit(cone, quadric, v, 0.0);
+        seen = Seen(hit, more.z, hessian_of(cone, quadric, hit));
+    }
+#endif
+#if HAS_3
+    for (bool is_here = is_of(slot, 3); is_here; is_here = seen.number < -1.0) {
+        int at = 9 * (slot - u_first_slots[3]);
+        vec4 more = texelFetch(t_splats[3], at + 1);
+        Quadric quadric = general_of(more.w, texelFetch(t_splats[3], at + 2),
+                                     texelFetch(t_splats[3], at + 3), texelFetch(t_splats[3], at + 4),
+                                     texelFetch(t_splats[3], at + 5), texelFetch(t_splats[3], at + 6),
+                                     texelFetch(t_splats[3], at + 7), texelFetch(t_splats[3], at + 8), start);
+        QuadricHit hit = first_hit(general, quadric, v, 0.0);
+        seen = Seen(hit, more.z, hessian_of(general, quadric, hit));
+    }
+#endif
+    return seen;
+}

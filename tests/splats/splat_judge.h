@@ -1,0 +1,73 @@
+// Pictures of primitives against a double ray caster, pixel by pixel.
+// SPDX-License-Identifier: MPL-2.0
+#pragma once
+
+#include "raycaster/primitives_reference.h"
+#include "raycaster/renderer.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+namespace isocast::test {
+
+/// Colours that halves hold exactly, by number.
+inline Vec3d colour_of_number(int number) {
+    return {double(number & 1023), double(number >> 10 & 1023), double(number >> 20)};
+}
+inline int number_of_colour(const float* rgba) {
+    return rgba[3] == 0 ? -1
+                        : static_cast<int>(rgba[0]) + 1024 * static_cast<int>(rgba[1]) +
+                              1024 * 1024 * static_cast<int>(rgba[2]);
+}
+
+inline void number_by_colour(Primitives& primitives) {
+    int number = 0;
+    const auto name = [&](auto& some) {
+        for (auto& one : some) one.colour = colour_of_number(number++);
+    };
+    name(primitives.spheres);
+    name(primitives.ellipsoids);
+    name(primitives.cylinders);
+    name(primitives.cones);
+    name(primitives.quadrics);
+}
+
+struct Judgement {
+    int wrong = 0;           // pixels that show another primitive, or one where there is none
+    int seen = 0;            // pixels that show one
+    double worst_error = 0;  // of hits' positions, by their distance from the eye
+    std::vector<int> pixels; // the first wrong ones
+};
+
+/// Draws the primitives, numbered by their colours, and compares.
+inline Judgement judge(Renderer& renderer, Primitives primitives, const Camera& camera, int width,
+                       int height) {
+    number_by_colour(primitives);
+    renderer.load({.primitives = std::make_shared<Primitives>(primitives)});
+    renderer.draw(camera, width, height, {FrameImage::Hit, FrameImage::SplatColour});
+    const Image hits = renderer.read(FrameImage::Hit);
+    const Image colours = renderer.read(FrameImage::SplatColour);
+    const std::vector<SeenPrimitive> shown = cast_primitives(primitives, camera, width, height);
+    Judgement judgement;
+    for (std::size_t i = 0; i < shown.size(); ++i) {
+        const int number = number_of_colour(&colours.rgba[4 * i]);
+        judgement.seen += number >= 0;
+        EXPECT_EQ(number >= 0, hits.rgba[4 * i + 3] != 0);
+        if (number != shown[i].number) {
+            if (++judgement.wrong <= 5) judgement.pixels.push_back(static_cast<int>(i));
+            continue;
+        }
+        if (number < 0) continue;
+        const int x = static_cast<int>(i % static_cast<std::size_t>(width));
+        const int y = static_cast<int>(i / static_cast<std::size_t>(width));
+        const Ray ray = camera_ray(camera, width, height, x + 0.5, y + 0.5);
+        const Vec3d p = ray.origin_world - camera.eye_world + ray.direction_world * shown[i].t;
+        const Vec3d drawn = Eigen::Map<const Eigen::Vector3f>(&hits.rgba[4 * i]).cast<double>();
+        judgement.worst_error = std::max(judgement.worst_error, (drawn - p).norm() / p.norm());
+    }
+    return judgement;
+}
+
+} // namespace isocast::test

@@ -1,0 +1,44 @@
+// Primitives as they are drawn, against a double ray caster.
+// SPDX-License-Identifier: MPL-2.0
+#include "splat_judge.h"
+
+#include "../quadrics/random_primitives.h"
+
+namespace isocast::test {
+namespace {
+
+const std::filesystem::path shader_folder = std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders";
+
+struct Splat : testing::Test {
+    std::unique_ptr<gl::Context> context = gl::make_context({.backend = gl::Backend::Osmesa});
+    Renderer renderer{*context, shader_folder};
+    Camera camera{.eye_world = {0.3, 0.4, 6}, .target_world = Vec3d::Zero()};
+};
+
+TEST_F(Splat, OfEveryKindIsWhatTheRaysMeet) {
+    Random random(1);
+    for (const Projection projection : {Projection::Perspective, Projection::Orthographic}) {
+        camera.projection = projection;
+        for (int run = 0; run < 4; ++run) {
+            Primitives primitives;
+            for (int i = 0; i < 5; ++i) {
+                primitives.spheres.push_back(random.sphere());
+                primitives.spheres.back().radius_world *= 0.3;
+                primitives.ellipsoids.push_back(random.ellipsoid());
+                primitives.cylinders.push_back(random.cylinder());
+                primitives.cylinders.back().radius_world *= 0.3;
+                primitives.cones.push_back(random.cone());
+                primitives.quadrics.push_back(random.clipped_quadric());
+            }
+            const Judgement judgement = judge(renderer, primitives, camera, 160, 120);
+            EXPECT_EQ(judgement.wrong, 0)
+                << run << " at " << testing::PrintToString(judgement.pixels);
+            EXPECT_GT(judgement.seen, 1000);
+            EXPECT_LT(judgement.worst_error, 1e-5);
+            std::cerr << judgement.seen << " " << judgement.worst_error << "\n";
+        }
+    }
+}
+
+} // namespace
+} // namespace isocast::test

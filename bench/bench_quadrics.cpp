@@ -117,13 +117,14 @@ Frame draw(Renderer& renderer, const Camera& camera) {
             std::move(report)};
 }
 
-void time_looks(Renderer& renderer, int repeats) {
+void time_looks(Renderer& renderer, int repeats, bool is_plain) {
     Look plain;
     Look rich;
     rich.lights[0].shadow = Shadow::Soft;
     rich.effects.outlines.strength = 1;
-    const std::vector<std::pair<const char*, Look>> looks{{"plain", plain},
+    std::vector<std::pair<const char*, Look>> looks{{"plain", plain},
                                                           {"soft shadows, outlines", rich}};
+    if (is_plain) looks.pop_back();
     std::map<std::string, std::vector<double>> seconds;
     std::map<std::string, std::map<std::string, std::vector<double>>> of_pass;
     const Camera camera = camera_of(renderer);
@@ -162,6 +163,8 @@ int main(int argc, char** argv) try {
     bool counts_errors = false;
     app.add_option("--only", only, "scenes with this in their names");
     app.add_option("--repeats", repeats);
+    bool is_plain = false;
+    app.add_flag("--plain", is_plain, "plain shading alone");
     app.add_flag("--errors", counts_errors, "also count wrong pixels");
     CLI11_PARSE(app, argc, argv);
 
@@ -179,7 +182,7 @@ int main(int argc, char** argv) try {
         renderer.load({.primitives = primitives});
         fmt::print("{}: {} spheres, {} cylinders\n", scene.name, primitives->spheres.size(),
                    primitives->cylinders.size());
-        time_looks(renderer, repeats);
+        time_looks(renderer, repeats, is_plain);
     }
     return 0;
 } catch (const std::exception& error) {

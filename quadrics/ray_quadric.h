@@ -120,9 +120,37 @@ RayInterval<Real> within_slab(Real p, Real k) {
     return {std::min(s1, s2), std::max(s1, s2)};
 }
 
+/// Where a ray comes closest to the centre of a quadric.
+template<class Real>
+struct ClosestApproach {
+    Real t = 0;
+    Eigen::Vector3<Real> y; // from the centre
+};
+
+template<class Real>
+ClosestApproach<Real> closest_approach(const Eigen::Vector3<Real>& centre,
+                                       const Eigen::Vector3<Real>& direction) {
+    const Real t = direction.dot(centre) / direction.dot(direction);
+    return {t, direction * t - centre};
+}
+
+/// The same of the view's ray of direction (slope, -1) from the eye, all in view space.
+///
+/// accuracy  a rounding of the centre's distance from the view's axis, however far it is away: with
+///           w from the ray to the centre, across the axis at its depth, y = -w + v (slope w)/v^2,
+///           where nothing as long as the distance is taken from anything
+template<class Real>
+ClosestApproach<Real> closest_approach_in_view(const Eigen::Vector3<Real>& centre,
+                                               const Eigen::Vector2<Real>& slope) {
+    const Eigen::Vector2<Real> w = centre.template head<2>() + slope * centre.z();
+    const Real back = slope.dot(w) / (1 + slope.squaredNorm());
+    return {back - centre.z(), {slope.x() * back - w.x(), slope.y() * back - w.y(), -back}};
+}
+
 /// The first point of a quadric along a ray, at t >= t_near.
 ///
-/// direction  world axes, any length but 0
+/// direction  axes of the quadric's, any length but 0
+/// closest    to its centre along the ray
 /// t_near     >= 0; what is nearer has been cut off, and one sees what lies behind the cut
 /// accuracy   the point lies off the surface by a few roundings of its distance from the origin of
 ///            rays or of the quadric's size, whichever is greater: QuadricIntersect.*; where the
@@ -133,13 +161,12 @@ RayInterval<Real> within_slab(Real p, Real k) {
 ///            is the first one in front of `t_near` and within the clip
 template<class Real>
 std::optional<QuadricHitOf<Real>> first_hit(const SeenQuadric<Real>& quadric,
-                                            const Eigen::Vector3<Real>& direction, Real t_near) {
+                                            const Eigen::Vector3<Real>& direction,
+                                            const ClosestApproach<Real>& closest, Real t_near) {
     using Vector = Eigen::Vector3<Real>;
     // To the point of the ray that is closest to the centre, by world distance and then by local.
-    const Real t0 = direction.dot(quadric.centre) / direction.dot(direction);
-    const Vector y = direction * t0 - quadric.centre;
     const Vector k = quadric.local_from_world * direction;
-    Vector p = quadric.local_from_world * y;
+    Vector p = quadric.local_from_world * closest.y;
     Real shift = -p.dot(k) / k.dot(k);
     p += k * shift;
     QuadraticOf<Real> f = along_ray(quadric, p, k);
@@ -152,9 +179,9 @@ std::optional<QuadricHitOf<Real>> first_hit(const SeenQuadric<Real>& quadric,
         f = along_ray(quadric, p, k);
     }
     const Real discriminant = f.beta * f.beta - f.alpha * f.gamma;
-    // From near by, roots are counted from the origin: t0 would swallow the distance to a surface
-    // right in front.
-    Real t_base = t0 + shift;
+    // From near by, roots are counted from the origin: the other way would swallow the distance to
+    // a surface right in front.
+    Real t_base = closest.t + shift;
     if (quadric.is_near) {
         t_base = 0;
         p = -(quadric.local_from_world * quadric.centre);
@@ -201,6 +228,11 @@ std::optional<QuadricHitOf<Real>> first_hit(const SeenQuadric<Real>& quadric,
         hit = {t_base + s, normal, normal.dot(direction) > 0, end + 1};
     }
     return hit;
+}
+template<class Real>
+std::optional<QuadricHitOf<Real>> first_hit(const SeenQuadric<Real>& quadric,
+                                            const Eigen::Vector3<Real>& direction, Real t_near) {
+    return first_hit(quadric, direction, closest_approach(quadric.centre, direction), t_near);
 }
 
 } // namespace isocast

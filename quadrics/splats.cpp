@@ -17,6 +17,15 @@ constexpr double margin_pixels = 1.0 / 16;
 /// Rectangles that reach farther are cut to the picture: floats know them to a 64th of a pixel.
 constexpr double greatest_pixels = 1 << 17;
 
+template<class Primitive>
+constexpr SplatKind kind_of = SplatKind::Cone; // a cylinder is one
+template<>
+constexpr SplatKind kind_of<Sphere> = SplatKind::Sphere;
+template<>
+constexpr SplatKind kind_of<Ellipsoid> = SplatKind::Ellipsoid;
+template<>
+constexpr SplatKind kind_of<ClippedQuadric> = SplatKind::General;
+
 /// Where a primitive is drawn: a corner and two sides [pixels].
 struct Rectangle {
     Eigen::Vector2d corner = Eigen::Vector2d::Zero();
@@ -130,85 +139,115 @@ Footprint footprint_of(const ClippedQuadric& quadric, const SplatView& view) {
                         -in_view(view.space, quadric.centre_world).z() - half_depth, view);
 }
 
-void append(std::vector<float>& record, std::initializer_list<double> values) {
-    for (const double value : values) record.push_back(static_cast<float>(value));
-}
+/// A splat's floats, one after the other.
+class Record {
+public:
+    explicit Record(float* next) : next_(next) {}
+    void put(std::initializer_list<double> values) {
+        for (const double value : values) *next_++ = static_cast<float>(value);
+    }
 
-void append_splat(const Sphere& sphere, std::size_t index, const SplatView& view,
-                  const Footprint& footprint, Splats& out) {
-    const Vec3d o = sphere.centre_world - view.space.eye_world;
+private:
+    float* next_;
+};
+
+void write_splat(const Sphere& sphere, std::uint32_t number, const SplatView& view,
+                 const Footprint& footprint, Record record) {
+    const Vec3d o = in_view(view.space, sphere.centre_world);
     const double r = sphere.radius_world;
     const double distance = o.stableNorm();
-    append(out.records[static_cast<std::size_t>(SplatKind::Sphere)],
-           {footprint.x_lo - margin_pixels, footprint.y_lo - margin_pixels,
-            footprint.x_hi - footprint.x_lo + 2 * margin_pixels,
-            footprint.y_hi - footprint.y_lo + 2 * margin_pixels, (distance - r) * (distance + r),
-            double(index), 0, 0, o.x(), o.y(), o.z(), r});
+    record.put({footprint.x_lo - margin_pixels, footprint.y_lo - margin_pixels,
+                footprint.x_hi - footprint.x_lo + 2 * margin_pixels,
+                footprint.y_hi - footprint.y_lo + 2 * margin_pixels});
+    record.put({(distance - r) * (distance + r), double(number), 0, 0});
+    record.put({o.x(), o.y(), o.z(), r});
 }
 
-void append_quadric(SplatKind kind, const Quadric& quadric, const ScreenBounds& bounds,
-                    std::size_t index, const SplatView& view, Splats& out) {
-    const SeenQuadric<double> seen = seen_from<double>(quadric, view.space.eye_world);
-    const Rectangle r = rectangle_of(bounds, view);
+template<class Primitive>
+void write_splat(const Primitive& primitive, std::uint32_t number, const SplatView& view,
+                 const Footprint&, Record record) {
+    const auto seen = seen_from<double>(quadric_of(primitive), view.space.eye_world);
+    const Rectangle r = rectangle_of(screen_bounds(primitive, view.space), view);
+    record.put({r.corner.x(), r.corner.y(), r.side_a.x(), r.side_a.y()});
+    record.put({r.side_b.x(), r.side_b.y(), double(number), 0});
+    const Vec3d centre = view.space.view_from_world * seen.centre;
+    record.put({centre.x(), centre.y(), centre.z(), seen.value_at_origin});
+    const Mat3d m = seen.local_from_world * view.space.view_from_world.transpose();
     // Parallel rays start elsewhere.
     const bool is_near = seen.is_near && view.space.is_perspective;
     const int flags = int{is_near} + 2 * int{seen.has_cap[0]} + 4 * int{seen.has_cap[1]};
-    const Mat3d& m = seen.local_from_world;
-    std::vector<float>& record = out.records[static_cast<std::size_t>(kind)];
-    append(record, {r.corner.x(),    r.corner.y(),    r.side_a.x(),    r.side_a.y(),
-                    r.side_b.x(),    r.side_b.y(),    double(index),   double(flags),
-                    seen.centre.x(), seen.centre.y(), seen.centre.z(), seen.value_at_origin,
-                    m(0, 0),         m(0, 1),         m(0, 2),         seen.radius_middle,
-                    m(1, 0),         m(1, 1),         m(1, 2),         seen.radius_slope,
-                    m(2, 0),         m(2, 1),         m(2, 2),         seen.c});
-    if (kind == SplatKind::General)
-        append(record, {seen.a(0, 0), seen.a(0, 1), seen.a(0, 2), seen.b.x(), seen.a(1, 1),
-                        seen.a(1, 2), seen.a(2, 2), seen.b.y(), seen.b.z(), 0, 0, 0});
+    if constexpr (kind_of<Primitive> == SplatKind::Cone) {
+        const Vec3d axis = m.row(2).normalized();
+        record.put({axis.x(), axis.y(), axis.z(), m.row(2).norm()});
+        record.put({m.row(0).norm(), seen.radius_slope, double(flags), 0});
+        return;
+    }
+    record.put({m(0, 0), m(0, 1), m(0, 2), double(flags)});
+    record.put({m(1, 0), m(1, 1), m(1, 2), 0});
+    record.put({m(2, 0), m(2, 1), m(2, 2), seen.c});
+    if constexpr (kind_of<Primitive> == SplatKind::General) {
+        record.put({seen.a(0, 0), seen.a(0, 1), seen.a(0, 2), seen.b.x()});
+        record.put({seen.a(1, 1), seen.a(1, 2), seen.a(2, 2), seen.b.y()});
+        record.put({seen.b.z(), 0, 0, 0});
+    }
+}
+
+/// Calls f(primitive) with the primitive of a number.
+template<class Function>
+void visit(const Primitives& primitives, std::size_t number, Function f) {
+    const auto is_in = [&](const auto& some) {
+        if (number < some.size()) {
+            f(some[number]);
+            return true;
+        }
+        number -= some.size();
+        return false;
+    };
+    (void)(is_in(primitives.spheres) || is_in(primitives.ellipsoids) ||
+           is_in(primitives.cylinders) || is_in(primitives.cones) || is_in(primitives.quadrics));
+}
+
+template<class Function>
+void in_parallel(std::size_t count, Function f) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 256),
+                      [&](const tbb::blocked_range<std::size_t>& range) {
+                          for (std::size_t i = range.begin(); i < range.end(); ++i) f(i);
+                      });
 }
 
 } // namespace
 
 Splats splats_of(const Primitives& primitives, const SplatView& view) {
-    // f(primitive, its place in its vector), for the primitive of a number.
-    const auto visit = [&](std::size_t number, auto f) {
-        const auto is_in = [&](const auto& some) {
-            if (number < some.size()) {
-                f(some[number]);
-                return true;
-            }
-            number -= some.size();
-            return false;
-        };
-        (void)(is_in(primitives.spheres) || is_in(primitives.ellipsoids) ||
-               is_in(primitives.cylinders) || is_in(primitives.cones) ||
-               is_in(primitives.quadrics));
-    };
     std::vector<Footprint> footprints(primitives.count());
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, footprints.size(), 256),
-                      [&](const tbb::blocked_range<std::size_t>& range) {
-                          for (std::size_t i = range.begin(); i < range.end(); ++i)
-                              visit(i, [&](const auto& primitive) {
-                                  footprints[i] = footprint_of(primitive, view);
-                              });
-                      });
+    in_parallel(footprints.size(), [&](std::size_t i) {
+        visit(primitives, i,
+              [&](const auto& primitive) { footprints[i] = footprint_of(primitive, view); });
+    });
+    const std::vector<std::uint32_t> visible =
+        visible_footprints(footprints, view.width, view.height);
+
     Splats out;
-    for (const std::uint32_t i : visible_footprints(footprints, view.width, view.height)) {
-        const Footprint& footprint = footprints[i];
-        out.boxes.push_back({footprint.x_lo, footprint.x_hi, footprint.y_lo, footprint.y_hi});
-        visit(i, [&](const auto& primitive) {
+    std::array<std::vector<std::uint32_t>, splat_kind_count> of_kind;
+    for (const std::uint32_t i : visible)
+        visit(primitives, i, [&](const auto& primitive) {
             using Primitive = std::decay_t<decltype(primitive)>;
-            if constexpr (std::is_same_v<Primitive, Sphere>) {
-                append_splat(primitive, i, view, footprint, out);
-            } else {
-                const SplatKind kind = std::is_same_v<Primitive, Ellipsoid> ? SplatKind::Ellipsoid
-                                       : std::is_same_v<Primitive, ClippedQuadric>
-                                           ? SplatKind::General
-                                           : SplatKind::Cone;
-                append_quadric(kind, quadric_of(primitive), screen_bounds(primitive, view.space), i,
-                               view, out);
-            }
+            of_kind[static_cast<std::size_t>(kind_of<Primitive>)].push_back(i);
+        });
+    for (std::size_t k = 0; k < of_kind.size(); ++k) {
+        const auto floats = static_cast<std::size_t>(splat_floats[k]);
+        out.records[k].resize(floats * of_kind[k].size());
+        in_parallel(of_kind[k].size(), [&](std::size_t slot) {
+            const std::uint32_t i = of_kind[k][slot];
+            visit(primitives, i, [&](const auto& primitive) {
+                write_splat(primitive, i, view, footprints[i],
+                            Record(out.records[k].data() + floats * slot));
+            });
         });
     }
+    out.boxes.reserve(visible.size());
+    for (const std::uint32_t i : visible)
+        out.boxes.push_back(
+            {footprints[i].x_lo, footprints[i].x_hi, footprints[i].y_lo, footprints[i].y_hi});
     return out;
 }
 

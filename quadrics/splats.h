@@ -25,7 +25,7 @@ struct SplatView {
 enum class SplatKind { Sphere, Ellipsoid, Cone, General }; // cylinders are cones
 inline constexpr int splat_kind_count = 4;
 /// Floats of a splat, by kind; shaders/quadrics/splat.glsl says which.
-inline constexpr std::array<int, splat_kind_count> splat_floats{12, 24, 24, 36};
+inline constexpr std::array<int, splat_kind_count> splat_floats{12, 24, 20, 36};
 
 /// Pixels from the part's bottom left corner, upwards.
 struct PixelBox {

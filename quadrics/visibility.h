@@ -42,7 +42,7 @@ struct FootprintView {
 ///         one
 Footprint sphere_footprint(const FootprintView& view, const Vec3d& centre_eye, double radius);
 
-/// The numbers of the footprints that are not hidden, the nearest first.
+/// The numbers of the footprints that are not hidden, about from front to back.
 ///
 /// A footprint is hidden if discs that are all nearer than any part of it cover each pixel of its
 /// box. Such discs are found tile by tile, front to back, with a mask of the pixels that the last

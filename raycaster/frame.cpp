@@ -180,12 +180,6 @@ Mat3d world_vector_coefficients(const Camera& camera, int width, int height, dou
            view_vector_coefficients(camera, width, height, depth_world);
 }
 
-Mat3d world_start_coefficients(const Camera& camera, int width, int height) {
-    if (camera.projection == Projection::Perspective) return Mat3d::Zero();
-    return camera.view_from_world_rotation().transpose() *
-           view_point_coefficients(camera, width, height, 0);
-}
-
 Vec3d eye_local(const Camera& camera, const GridSpace& space, const Index3& local_origin_index) {
     return space.to_index(camera.eye_world) - local_origin_index.cast<double>();
 }

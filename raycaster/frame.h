@@ -178,8 +178,6 @@ RayCoefficients ray_coefficients(const Camera& camera, int width, int height,
 /// `depth_world` in front of it.
 Mat3d world_vector_coefficients(const Camera& camera, int width, int height,
                                 double depth_world = 1);
-/// The same to the vector from the eye to the ray's start; 0 in perspective.
-Mat3d world_start_coefficients(const Camera& camera, int width, int height);
 
 /// The eye, in local index coordinates.
 Vec3d eye_local(const Camera& camera, const GridSpace& space, const Index3& local_origin_index);

@@ -19,6 +19,7 @@ gl::ProgramKey splat_program(SplatKind kind, bool is_perspective) {
     return {{"quadrics/splat.vert", "quadrics/splat.frag"},
             {{"KIND", std::to_string(k)},
              {"FLOATS4", std::to_string(splat_floats[k] / 4)},
+             {"PLACE4", kind == SplatKind::Sphere ? "1" : "2"}, // of the rectangle
              {"IS_PERSPECTIVE", is_perspective ? "1" : "0"}}};
 }
 
@@ -58,15 +59,9 @@ unsigned kinds_of(const SplatsOnGpu& splats) {
 
 /// Of shaders/quadrics/splat.glsl.
 void set_ray_uniforms(const gl::Program& program, const FrameContext& frame) {
-    program.set(
-        "u_ray_vector",
-        Eigen::Matrix3f(
-            world_vector_coefficients(frame.camera, frame.width, frame.height).cast<float>()));
-    if (!is_perspective(frame))
-        program.set(
-            "u_ray_start",
-            Eigen::Matrix3f(
-                world_start_coefficients(frame.camera, frame.width, frame.height).cast<float>()));
+    program.set("u_middle_pixel", Eigen::Vector2f(0.5F * static_cast<float>(frame.width),
+                                                  0.5F * static_cast<float>(frame.height)));
+    program.set("u_pixel", static_cast<float>(2 * frame.camera.half_height_at(1) / frame.height));
     set_first_pixel(frame, program);
 }
 
@@ -83,6 +78,8 @@ void set_splat_uniforms(const gl::Program& program, const FrameContext& frame) {
         first_slots[k] = of_kind.first_slot;
         counts[k] = of_kind.count;
     }
+    program.set("u_world_from_view",
+                Eigen::Matrix3f(frame.camera.view_from_world_rotation().transpose().cast<float>()));
     program.set("u_first_slots", first_slots);
     program.set("u_counts", counts);
 }
@@ -115,9 +112,10 @@ void run_splats(FrameContext& frame) {
         program.set("u_first_slot", of_kind.first_slot);
         // So small that what is nearer than 1e-20 of the scene's size alone is clamped.
         program.set("u_depth_unit", static_cast<float>(1e-20 * extent_diagonal_world(frame)));
-        of_kind.vertices.bind();
+        of_kind.records.texture.bind_to_unit(0);
+        frame.no_vertices.bind();
         program.use();
-        glDrawElementsInstanced(GL_TRIANGLE_STRIP, 4, GL_UNSIGNED_SHORT, nullptr, of_kind.count);
+        glDrawArrays(GL_TRIANGLES, 0, 6 * of_kind.count);
     }
     glDisable(GL_DEPTH_TEST);
 }

@@ -58,8 +58,6 @@ std::vector<Eigen::Vector4i> runs_of(const std::vector<PixelBox>& boxes, const P
 SplatsOnGpu::SplatsOnGpu(const Primitives& primitives, const Camera& camera, int width, int height,
                          const PicturePart& part) {
     const Splats splats = splats_of(primitives, view_of(camera, width, height, part));
-    constexpr std::array<std::uint16_t, 4> strip{0, 1, 2, 3};
-    corners = gl::Buffer(std::as_bytes(std::span(strip)), "corners of splats");
     int slot = 0;
     for (std::size_t k = 0; k < splats.records.size(); ++k) {
         const std::vector<float>& records = splats.records[k];
@@ -69,10 +67,6 @@ SplatsOnGpu::SplatsOnGpu(const Primitives& primitives, const Camera& camera, int
         of_kind.count = splats.count(of_kind.kind);
         of_kind.first_slot = slot;
         of_kind.records = {std::as_bytes(std::span(records)), gl::Format::Rgba32f, "splats"};
-        const std::vector<gl::AttributeType> attributes(
-            static_cast<std::size_t>(splat_floats[k]) / 4, gl::AttributeType::Float4);
-        of_kind.vertices =
-            gl::VertexArray::instanced(of_kind.records.buffer, attributes, corners, "splats");
         slot += of_kind.count;
         byte_count += of_kind.records.buffer.byte_count();
     }

@@ -20,10 +20,8 @@ struct SplatsOnGpu {
         int count = 0;
         int first_slot = 0; // splats are numbered through all kinds, from 0
         NumbersOnGpu records;
-        gl::VertexArray vertices; // an instance for each, of four vertices
     };
     std::vector<OfKind> kinds;              // that are there
-    gl::Buffer corners;                     // numbers of the four vertices
     std::vector<Eigen::Vector4i> tile_runs; // of tiles that can show one, as TileLists::runs()
     std::int64_t byte_count = 0;
 };

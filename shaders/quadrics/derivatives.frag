@@ -8,6 +8,7 @@
 #include "quadrics/splats.glsl"
 
 layout(binding = 0) uniform sampler2D t_hit;
+uniform mat3 u_world_from_view;
 uniform float u_object; // as whose hits splats are written
 
 #if ORDER == 1
@@ -18,11 +19,13 @@ void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     if (texelFetch(t_hit, pixel, 0).w != u_object) discard;
     Seen seen = seen_splat(int(texelFetch(t_splat, pixel, 0).r) - 1);
+    vec3 normal = u_world_from_view * seen.hit.normal;
 #if ORDER == 1
-    o_gradient = vec4(seen.hit.normal, 1.0);
+    o_gradient = vec4(normal, 1.0);
 #else
     // 2^-19: as of fields; curvatures follow from about as many roundings.
     float greatest = length(seen.hessian[0]) + length(seen.hessian[1]) + length(seen.hessian[2]);
-    write_second_order(seen.hit.normal, seen.hessian, true, greatest * exp2(-19.0));
+    mat3 hessian = u_world_from_view * seen.hessian * transpose(u_world_from_view);
+    write_second_order(normal, hessian, true, greatest * exp2(-19.0));
 #endif
 }

@@ -10,8 +10,8 @@ const int cone = 1;    // q_x^2 + q_y^2 - r(q_z)^2 where |q_z| <= 1, r(z) = midd
 const int general = 2; // q^T a q + 2 b^T q + c where |q_x|, |q_y|, |q_z| <= 1
 
 struct Quadric {
-    vec3 centre;           // from the ray's start [world]
-    mat3 local_from_world; // q = local_from_world (p - centre)
+    vec3 centre;          // from the ray's start, view space
+    mat3 local_from_view; // q = local_from_view (p - centre)
     float radius_middle, radius_slope;
     bvec2 has_cap;
     mat3 a;
@@ -23,7 +23,7 @@ struct Quadric {
 
 struct QuadricHit {
     float t;     // in lengths of the direction; `nowhere` if there is none
-    vec3 normal; // unit length, outwards; against the ray at a cone's apex
+    vec3 normal; // view space, unit length, outwards; against the ray at a cone's apex
     vec3 q;      // local coordinates
     bool is_cap;
 };
@@ -84,13 +84,27 @@ vec2 within_slab(float p, float k) {
     return vec2(min(s1, s2), max(s1, s2));
 }
 
-// v: the ray's direction. The first point at t >= t_near.
-QuadricHit first_hit(int kind, Quadric quadric, vec3 v, float t_near) {
-    // To the point of the ray that is closest to the centre, by world distance and then by local.
-    float t0 = dot(v, quadric.centre) / dot(v, v);
-    vec3 y = v * t0 - quadric.centre;
-    vec3 k = quadric.local_from_world * v;
-    vec3 p = quadric.local_from_world * y;
+// Where a ray comes closest to a centre.
+struct ClosestApproach {
+    float t;
+    vec3 y; // from the centre
+};
+
+// Of the direction (slope, -1). Nothing as long as the distance is taken from anything: y errs by a
+// rounding of the centre's distance from the view's axis, however far it is away.
+ClosestApproach closest_approach_in_view(vec3 centre, vec2 slope) {
+    vec2 w = centre.xy + slope * centre.z;
+    float back = dot(slope, w) / (1.0 + dot(slope, slope));
+    return ClosestApproach(back - centre.z, vec3(slope * back - w, -back));
+}
+
+// The first point along the ray of direction (slope, -1), at t >= t_near.
+QuadricHit first_hit(int kind, Quadric quadric, vec2 slope, float t_near) {
+    // To the point of the ray that is closest to the centre, by its distance and then by local.
+    vec3 v = vec3(slope, -1.0);
+    ClosestApproach closest = closest_approach_in_view(quadric.centre, slope);
+    vec3 k = quadric.local_from_view * v;
+    vec3 p = quadric.local_from_view * closest.y;
     float shift = -dot(p, k) / dot(k, k);
     p += k * shift;
     Quadratic f = along_ray(kind, quadric, p, k);
@@ -103,12 +117,12 @@ QuadricHit first_hit(int kind, Quadric quadric, vec3 v, float t_near) {
         f = along_ray(kind, quadric, p, k);
     }
     float discriminant = f.beta * f.beta - f.alpha * f.gamma;
-    // From near by, roots are counted from the start: t0 would swallow the distance to a surface
+    // From near by, roots are counted from the start: the other way would swallow the distance to a surface
     // right in front.
-    float t_base = t0 + shift;
+    float t_base = closest.t + shift;
     if (quadric.is_near) {
         t_base = 0.0;
-        p = -(quadric.local_from_world * quadric.centre);
+        p = -(quadric.local_from_view * quadric.centre);
         f = along_ray(kind, quadric, p, k);
         f.gamma = quadric.value_at_start;
     }
@@ -129,7 +143,7 @@ QuadricHit first_hit(int kind, Quadric quadric, vec3 v, float t_near) {
     }
     bool is_hit = s < nowhere;
     vec3 q = p + k * s;
-    vec3 normal = transpose(quadric.local_from_world) * half_gradient(kind, quadric, q);
+    vec3 normal = transpose(quadric.local_from_view) * half_gradient(kind, quadric, q);
     normal = normal == vec3(0.0) ? -v : normal;
     QuadricHit hit = QuadricHit(is_hit ? t_base + s : nowhere, normalize(normal), q, false);
     if (kind == cone) {
@@ -145,7 +159,7 @@ QuadricHit first_hit(int kind, Quadric quadric, vec3 v, float t_near) {
             bool is_first = t_base + at >= t_near && t_base + at < hit.t;
             if (quadric.has_cap[end] && k.z != 0.0 && is_within && is_first)
                 hit = QuadricHit(t_base + at,
-                                 normalize(side * transpose(quadric.local_from_world)[2]),
+                                 normalize(side * transpose(quadric.local_from_view)[2]),
                                  p + k * at, true);
         }
     }

@@ -5,7 +5,8 @@
 // GRADIENT_AT, COLOUR_AT: where these are written, -1 for nowhere.
 
 layout(binding = 0) uniform sampler2D t_hit; // of the fields; written here
-uniform float u_object;                      // as whose hits they are written
+uniform mat3 u_world_from_view;
+uniform float u_object; // as whose hits they are written
 #if COLOUR_AT >= 0
 layout(binding = 4) uniform samplerBuffer t_colours; // by primitive
 #endif
@@ -24,14 +25,17 @@ void main() {
     Seen seen = seen_splat(slot);
     // Another program met it first, whose roundings may differ.
     if (slot < 0 || seen.hit.t >= nowhere) discard;
-    vec3 v = ray_vector();
+    vec3 p = ray_start() + vec3(ray_slope(), -1.0) * seen.hit.t;
+    vec3 p_world = u_world_from_view * p;
 #if HAS_FIELDS
     vec4 other = texelFetch(t_hit, pixel, 0);
-    if (other.w != 0.0 && seen.hit.t * dot(v, v) >= dot(other.xyz, v)) discard;
+    // Both lie on one ray.
+    vec3 back = u_world_from_view[2];
+    if (other.w != 0.0 && dot(back, other.xyz) >= p.z) discard;
 #endif
-    o_hit = vec4(ray_start() + v * seen.hit.t, u_object);
+    o_hit = vec4(p_world, u_object);
 #if GRADIENT_AT >= 0
-    o_gradient = vec4(seen.hit.normal, 1.0);
+    o_gradient = vec4(u_world_from_view * seen.hit.normal, 1.0);
 #endif
 #if COLOUR_AT >= 0
     o_colour = vec4(texelFetch(t_colours, int(seen.number)).rgb, 1.0);

@@ -3,29 +3,33 @@
 #version 450 core
 #include "quadrics/splat.glsl"
 
-flat in vec4 v_splat[FLOATS4 - 1];
-flat in float v_slot;
+flat in vec4 v_splat[FLOATS4 - PLACE4];
 // Depths are this by the distance along the view: floats keep their digits at any.
 uniform float u_depth_unit;
 
 layout(location = 0) out float o_splat;
 
 void main() {
-    vec3 v = ray_vector();
+    vec2 slope = ray_slope();
     vec3 start = ray_start();
 #if KIND == 0
-    QuadricHit hit = sphere_hit(v_splat[0], v_splat[1], v, start);
-#elif KIND == 3
-    QuadricHit hit = first_hit(general,
-                               general_of(v_splat[0].w, v_splat[1], v_splat[2], v_splat[3], v_splat[4],
-                                          v_splat[5], v_splat[6], v_splat[7], start),
-                               v, 0.0);
+    QuadricHit hit = sphere_hit(v_splat[0], v_splat[1], slope, start);
+    o_splat = v_splat[0].y;
 #else
-    QuadricHit hit = first_hit(
-        KIND == 1 ? ball : cone,
-        ellipsoid_of(v_splat[0].w, v_splat[1], v_splat[2], v_splat[3], v_splat[4], start), v, 0.0);
+#if KIND == 1
+    Quadric quadric = ellipsoid_of(v_splat[0], v_splat[1], v_splat[2], v_splat[3], start);
+    const int kind = ball;
+#elif KIND == 2
+    Quadric quadric = cone_of(v_splat[0], v_splat[1], v_splat[2], start);
+    const int kind = cone;
+#else
+    Quadric quadric = general_of(v_splat[0], v_splat[1], v_splat[2], v_splat[3], v_splat[4], v_splat[5],
+                                 v_splat[6], start);
+    const int kind = general;
+#endif
+    QuadricHit hit = first_hit(kind, quadric, slope, 0.0);
+    o_splat = v_splat[2].w;
 #endif
     if (hit.t >= nowhere) discard;
-    o_splat = v_slot;
     gl_FragDepth = u_depth_unit / hit.t;
 }

@@ -6,57 +6,69 @@
 //
 // IS_PERSPECTIVE: rays start at the eye.
 
-uniform mat3 u_ray_vector; // world axes, affine in the pixel; a length of 1 along the view
-#if !IS_PERSPECTIVE
-uniform mat3 u_ray_start; // from the eye [world], affine in the pixel
-#endif
+uniform vec2 u_middle_pixel; // where the view's axis meets the picture
+uniform float u_pixel; // from a pixel to the next: slope, of parallel rays [world]
 
-vec3 ray_vector() { return u_ray_vector * vec3(1.0, picture_pixel()); }
-vec3 ray_start() {
+// Of the pixel's ray, in view space: its direction is (slope, -1), and where it starts.
 #if IS_PERSPECTIVE
-    return vec3(0.0);
+vec2 ray_slope() { return u_pixel * (picture_pixel() - u_middle_pixel); }
+vec3 ray_start() { return vec3(0.0); }
 #else
-    return u_ray_start * vec3(1.0, picture_pixel());
+vec2 ray_slope() { return vec2(0.0); }
+vec3 ray_start() { return vec3(u_pixel * (picture_pixel() - u_middle_pixel), 0.0); }
 #endif
-}
 
 // Of every kind the first four floats, and of others than spheres two more, are the rectangle.
-// Spheres: corner, size | f(eye), number, 0, 0 | centre from the eye, radius.
-// v: ray_vector(); start: ray_start()
-QuadricHit sphere_hit(vec4 at_eye, vec4 sphere, vec3 v, vec3 start) {
+// Spheres: corner, size | f(eye), number, 0, 0 | centre, radius; in view space, from the eye.
+QuadricHit sphere_hit(vec4 at_eye, vec4 sphere, vec2 slope, vec3 start) {
     vec3 o = sphere.xyz - start;
+    vec3 v = vec3(slope, -1.0);
     float a = dot(v, v);
-    float b = dot(v, o);
-    vec3 y = v * (b / a) - o;
-    float h = sphere.w * sphere.w - dot(y, y); // at the closest approach, where it does not cancel
+    ClosestApproach closest = closest_approach_in_view(o, slope);
+    float h = sphere.w * sphere.w - dot(closest.y, closest.y); // where it does not cancel
+    // Roots from the start, by f there: right in front of a large sphere, too.
 #if IS_PERSPECTIVE
     float gamma = at_eye.x;
 #else
     float distance = length(o);
     float gamma = (distance - sphere.w) * (distance + sphere.w);
 #endif
-    float root = sqrt(max(a * h, 0.0));
-    float q = b + (b < 0.0 ? -root : root);
-    float t1 = gamma / q;
-    float t2 = q / a;
-    float first = min(t1, t2);
-    float t = first >= 0.0 ? first : max(t1, t2);
-    vec3 normal = (v * t - o) / sphere.w;
+    float half_chord = sqrt(max(h / a, 0.0));
+    float b = closest.t;
+    float q = b + (b < 0.0 ? -half_chord : half_chord);
+    float other = gamma / (a * q);
+    float first = min(q, other);
+    float t = first >= 0.0 ? first : max(q, other);
+    // By the side of the closest approach that it is on: v t would swallow a small sphere's shape.
+    vec3 normal = (closest.y + v * (first >= 0.0 ? -half_chord : half_chord)) / sphere.w;
     return QuadricHit(h >= 0.0 && t >= 0.0 ? t : nowhere, normal, normal, false);
 }
 
-// Others: corner, side | side, number, flags | centre, f(eye) | three rows of local_from_world with
-// the middle radius, the slope of the radius, c | a_xx a_xy a_xz b_x | a_yy a_yz a_zz b_y | b_z.
-Quadric ellipsoid_of(float flags, vec4 centre, vec4 row0, vec4 row1, vec4 row2, vec3 start) {
-    int bits = int(flags);
-    return Quadric(centre.xyz - start, transpose(mat3(row0.xyz, row1.xyz, row2.xyz)), row0.w, row1.w,
-                   bvec2((bits & 2) != 0, (bits & 4) != 0), mat3(0.0), vec3(0.0), row2.w, centre.w,
-                   (bits & 1) != 0);
+// Others: corner, side | side, number, 0 | centre, f(eye) | more by kind.
+// Ellipsoids: three rows of local_from_view, with flags in the first.
+Quadric ellipsoid_of(vec4 centre, vec4 row0, vec4 row1, vec4 row2, vec3 start) {
+    int flags = int(row0.w);
+    return Quadric(centre.xyz - start, transpose(mat3(row0.xyz, row1.xyz, row2.xyz)), 1.0, 0.0,
+                   bvec2(false), mat3(1.0), vec3(0.0), -1.0, centre.w, (flags & 1) != 0);
 }
-Quadric general_of(float flags, vec4 centre, vec4 row0, vec4 row1, vec4 row2, vec4 a, vec4 b, vec4 c,
-                   vec3 start) {
-    Quadric quadric = ellipsoid_of(flags, centre, row0, row1, row2, start);
+// Cones: unit axis, 1 / half length | 1 / greater radius, slope of the radius, flags, 0.
+Quadric cone_of(vec4 centre, vec4 axis, vec4 shape, vec3 start) {
+    int flags = int(shape.z);
+    // Any two directions across it: Duff et al., JCGT 2017.
+    float s = axis.z < 0.0 ? -1.0 : 1.0;
+    float a = -1.0 / (s + axis.z);
+    float b = axis.x * axis.y * a;
+    vec3 u = vec3(1.0 + s * axis.x * axis.x * a, s * b, -s * axis.x);
+    vec3 w = vec3(b, s + axis.y * axis.y * a, -axis.y);
+    return Quadric(centre.xyz - start, transpose(mat3(u * shape.x, w * shape.x, axis.xyz * axis.w)),
+                   1.0 - abs(shape.y), shape.y, bvec2((flags & 2) != 0, (flags & 4) != 0), mat3(0.0),
+                   vec3(0.0), 0.0, centre.w, (flags & 1) != 0);
+}
+// General ones: as ellipsoids, with c in the third row | a_xx a_xy a_xz b_x | a_yy a_yz a_zz b_y | b_z.
+Quadric general_of(vec4 centre, vec4 row0, vec4 row1, vec4 row2, vec4 a, vec4 b, vec4 c, vec3 start) {
+    Quadric quadric = ellipsoid_of(centre, row0, row1, row2, start);
     quadric.a = mat3(a.xyz, vec3(a.y, b.xy), vec3(a.z, b.yz));
     quadric.b = vec3(a.w, b.w, c.x);
+    quadric.c = row2.w;
     return quadric;
 }

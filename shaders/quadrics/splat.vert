@@ -1,23 +1,36 @@
-// A rectangle of pixels for each splat, as a strip of two triangles.
+// A rectangle of pixels for each splat, as two triangles, or a triangle around it. No vertex
+// attributes: drawn as instances, software rasterisers shade four vertices at a time.
 // SPDX-License-Identifier: MPL-2.0
 #version 450 core
-// KIND: quadrics/splats.h, SplatKind; FLOATS4: of a splat, by four.
+// KIND: quadrics/splats.h, SplatKind; FLOATS4: of a splat, by four; PLACE4: of what rays need.
 
-layout(location = 0) in vec4 a_splat[FLOATS4];
-uniform vec2 u_clip_from_pixel; // 2 / size of the part, per axis
+layout(binding = 0) uniform samplerBuffer t_records; // of this kind
+uniform vec2 u_clip_from_pixel;                      // 2 / size of the part, per axis
 uniform int u_first_slot;
+// Squared [pixel^4]. Measured: setting up a second triangle takes longer than the pixels of one
+// twice as large.
+const float small_area = 64.0 * 64.0;
 
-flat out vec4 v_splat[FLOATS4 - 1]; // without the first four floats
-flat out float v_slot;              // number of the splat + 1
+flat out vec4 v_splat[FLOATS4 - PLACE4]; // with the number of the splat + 1 in a free place
 
 void main() {
-    vec2 side = vec2(gl_VertexID & 1, gl_VertexID >> 1);
+    int splat = gl_VertexID / 6;
+    // 0 1 2, 2 1 3: corners x0y0, x1y0, x0y1, x1y1.
+    int corner = gl_VertexID % 6;
+    corner = corner < 3 ? corner : corner == 3 ? 2 : corner == 4 ? 1 : 3;
+    vec2 side = vec2(corner & 1, corner >> 1);
+    vec4 first = texelFetch(t_records, FLOATS4 * splat);
+    vec2 side_a = KIND == 0 ? vec2(first.z, 0.0) : first.zw;
+    vec2 side_b = KIND == 0 ? vec2(0.0, first.w) : texelFetch(t_records, FLOATS4 * splat + 1).xy;
+    if (dot(side_a, side_a) * dot(side_b, side_b) < small_area)
+        side = gl_VertexID % 6 < 3 ? 2.0 * side : vec2(0.0);
+    for (int i = PLACE4; i < FLOATS4; ++i) v_splat[i - PLACE4] = texelFetch(t_records, FLOATS4 * splat + i);
+    float slot = float(u_first_slot + splat + 1);
 #if KIND == 0
-    vec2 pixel = a_splat[0].xy + side * a_splat[0].zw;
+    v_splat[0].y = slot;
 #else
-    vec2 pixel = a_splat[0].xy + side.x * a_splat[0].zw + side.y * a_splat[1].xy;
+    v_splat[2].w = slot;
 #endif
-    for (int i = 1; i < FLOATS4; ++i) v_splat[i - 1] = a_splat[i];
-    v_slot = float(u_first_slot + gl_InstanceID + 1);
+    vec2 pixel = first.xy + side.x * side_a + side.y * side_b;
     gl_Position = vec4(pixel * u_clip_from_pixel - 1.0, 0.0, 1.0);
 }

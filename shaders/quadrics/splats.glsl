@@ -12,7 +12,7 @@ uniform ivec4 u_counts;
 struct Seen {
     QuadricHit hit;
     float number;  // of the primitive
-    mat3 hessian;  // of a function whose gradient is the normal [1/world]; flat on caps
+    mat3 hessian;  // of a function whose gradient is the normal [1/world], view space; flat on caps
 };
 
 bool is_of(int slot, int kind) {
@@ -22,7 +22,7 @@ bool is_of(int slot, int kind) {
 // The Hessian of f by the length of its gradient.
 mat3 hessian_of(int kind, Quadric quadric, QuadricHit hit) {
 #if HAS_HESSIAN
-    mat3 m = quadric.local_from_world;
+    mat3 m = quadric.local_from_view;
     float gradient = length(transpose(m) * half_gradient(kind, quadric, hit.q));
     return hit.is_cap || gradient == 0.0
                ? mat3(0.0)
@@ -35,7 +35,7 @@ mat3 hessian_of(int kind, Quadric quadric, QuadricHit hit) {
 // Loops for conditions, since software rasterisers run all sides of a condition; what ends them is
 // computed, or the compiler would see that they run but once.
 Seen seen_splat(int slot) {
-    vec3 v = ray_vector();
+    vec2 slope = ray_slope();
     vec3 start = ray_start();
     Seen seen = Seen(QuadricHit(nowhere, vec3(0.0), vec3(0.0), false), 0.0, mat3(0.0));
 #if HAS_0
@@ -43,7 +43,7 @@ Seen seen_splat(int slot) {
         int at = 3 * (slot - u_first_slots[0]);
         vec4 at_eye = texelFetch(t_splats[0], at + 1);
         vec4 sphere = texelFetch(t_splats[0], at + 2);
-        QuadricHit hit = sphere_hit(at_eye, sphere, v, start);
+        QuadricHit hit = sphere_hit(at_eye, sphere, slope, start);
 #if HAS_HESSIAN
         mat3 hessian = (mat3(1.0) - outerProduct(hit.normal, hit.normal)) / sphere.w;
 #else
@@ -55,35 +55,36 @@ Seen seen_splat(int slot) {
 #if HAS_1
     for (bool is_here = is_of(slot, 1); is_here; is_here = seen.number < -1.0) {
         int at = 6 * (slot - u_first_slots[1]);
-        vec4 more = texelFetch(t_splats[1], at + 1);
-        Quadric quadric = ellipsoid_of(more.w, texelFetch(t_splats[1], at + 2),
-                                       texelFetch(t_splats[1], at + 3), texelFetch(t_splats[1], at + 4),
+        Quadric quadric = ellipsoid_of(texelFetch(t_splats[1], at + 2),
+                                       texelFetch(t_splats[1], at + 3),
+                                       texelFetch(t_splats[1], at + 4),
                                        texelFetch(t_splats[1], at + 5), start);
-        QuadricHit hit = first_hit(ball, quadric, v, 0.0);
-        seen = Seen(hit, more.z, hessian_of(ball, quadric, hit));
+        QuadricHit hit = first_hit(ball, quadric, slope, 0.0);
+        seen = Seen(hit, texelFetch(t_splats[1], at + 1).z, hessian_of(ball, quadric, hit));
     }
 #endif
 #if HAS_2
     for (bool is_here = is_of(slot, 2); is_here; is_here = seen.number < -1.0) {
-        int at = 6 * (slot - u_first_slots[2]);
-        vec4 more = texelFetch(t_splats[2], at + 1);
-        Quadric quadric = ellipsoid_of(more.w, texelFetch(t_splats[2], at + 2),
-                                       texelFetch(t_splats[2], at + 3), texelFetch(t_splats[2], at + 4),
-                                       texelFetch(t_splats[2], at + 5), start);
-        QuadricHit hit = first_hit(cone, quadric, v, 0.0);
-        seen = Seen(hit, more.z, hessian_of(cone, quadric, hit));
+        int at = 5 * (slot - u_first_slots[2]);
+        Quadric quadric = cone_of(texelFetch(t_splats[2], at + 2),
+                                       texelFetch(t_splats[2], at + 3),
+                                       texelFetch(t_splats[2], at + 4), start);
+        QuadricHit hit = first_hit(cone, quadric, slope, 0.0);
+        seen = Seen(hit, texelFetch(t_splats[2], at + 1).z, hessian_of(cone, quadric, hit));
     }
 #endif
 #if HAS_3
     for (bool is_here = is_of(slot, 3); is_here; is_here = seen.number < -1.0) {
         int at = 9 * (slot - u_first_slots[3]);
-        vec4 more = texelFetch(t_splats[3], at + 1);
-        Quadric quadric = general_of(more.w, texelFetch(t_splats[3], at + 2),
-                                     texelFetch(t_splats[3], at + 3), texelFetch(t_splats[3], at + 4),
-                                     texelFetch(t_splats[3], at + 5), texelFetch(t_splats[3], at + 6),
-                                     texelFetch(t_splats[3], at + 7), texelFetch(t_splats[3], at + 8), start);
-        QuadricHit hit = first_hit(general, quadric, v, 0.0);
-        seen = Seen(hit, more.z, hessian_of(general, quadric, hit));
+        Quadric quadric = general_of(texelFetch(t_splats[3], at + 2),
+                                       texelFetch(t_splats[3], at + 3),
+                                       texelFetch(t_splats[3], at + 4),
+                                       texelFetch(t_splats[3], at + 5),
+                                       texelFetch(t_splats[3], at + 6),
+                                       texelFetch(t_splats[3], at + 7),
+                                       texelFetch(t_splats[3], at + 8), start);
+        QuadricHit hit = first_hit(general, quadric, slope, 0.0);
+        seen = Seen(hit, texelFetch(t_splats[3], at + 1).z, hessian_of(general, quadric, hit));
     }
 #endif
     return seen;

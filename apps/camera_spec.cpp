@@ -76,16 +76,15 @@ CameraSpec camera_spec_from(std::string_view text) {
     return spec;
 }
 
-Camera camera_from(const CameraSpec& spec, const std::array<Vec3d, 8>& corners_world,
-                   double aspect) {
+Camera camera_from(const CameraSpec& spec, std::span<const Vec3d> points_world, double aspect) {
     const double fov = spec.fov_y_degrees.value_or(30);
     const Vec3d up = spec.up.value_or(Vec3d::UnitY());
     Camera camera;
     if (spec.eye_world) {
-        Vec3d centre = Vec3d::Zero();
-        for (const Vec3d& corner : corners_world) centre += corner / 8;
+        Eigen::AlignedBox3d box;
+        for (const Vec3d& point : points_world) box.extend(point);
         camera.eye_world = *spec.eye_world;
-        camera.target_world = spec.target_world.value_or(centre);
+        camera.target_world = spec.target_world.value_or(box.center());
         camera.up = up;
         camera.fov_y_degrees = fov;
     } else {
@@ -93,8 +92,8 @@ Camera camera_from(const CameraSpec& spec, const std::array<Vec3d, 8>& corners_w
         const Vec3d direction = spec.direction_to_eye.value_or(Vec3d(0.45, 0.35, 1));
         // frame_box() has y upwards: the world is turned so that `up` is y, and back.
         const Mat3d turn = Eigen::Quaterniond::FromTwoVectors(up, Vec3d::UnitY()).matrix();
-        std::array<Vec3d, 8> turned = corners_world;
-        for (Vec3d& corner : turned) corner = turn * corner;
+        std::vector<Vec3d> turned(points_world.begin(), points_world.end());
+        for (Vec3d& point : turned) point = turn * point;
         camera = frame_box(turned, turn * direction, aspect, fov);
         camera.eye_world = turn.transpose() * camera.eye_world;
         camera.target_world = turn.transpose() * camera.target_world;

@@ -24,12 +24,11 @@ struct CameraSpec {
 /// throws  UsageError for anything else, and for keys that exclude each other
 CameraSpec camera_spec_from(std::string_view text);
 
-/// The camera that the spec asks for. What it leaves open is chosen so that the box of the object,
-/// given by its corners, fills the picture.
+/// The camera that the spec asks for. What it leaves open is chosen so that the convex hull of some
+/// points of the object fills the picture.
 ///
 /// aspect  width / height of the picture
 /// throws  InputError if eye and target coincide or up lies along the view
-Camera camera_from(const CameraSpec& spec, const std::array<Vec3d, 8>& corners_world,
-                   double aspect);
+Camera camera_from(const CameraSpec& spec, std::span<const Vec3d> points_world, double aspect);
 
 } // namespace isocast

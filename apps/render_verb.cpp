@@ -91,7 +91,7 @@ public:
         seconds_.context = step_.lap();
 
         load(first);
-        framed_world_ = renderer_->surface_box_world();
+        framed_world_ = renderer_->surface_points_world();
         FrameReport frame;
         for (int i = 0; i < frames_.count(); ++i) {
             const SceneFile now = scene_at(scene_, i, frames_.count());
@@ -232,7 +232,7 @@ private:
     std::optional<FetchChoice> fetch_;
     SceneObjects objects_;
     Scene loaded_;
-    std::array<Vec3d, 8> framed_world_;
+    std::vector<Vec3d> framed_world_;
 };
 
 } // namespace

@@ -1,6 +1,7 @@
 // Spheres, sticks and other primitives: seconds a frame, and pixels that differ from a double ray
 // caster. SPDX-License-Identifier: MPL-2.0
 #include "peers/peer_frame.h"
+#include "peers/spheres_peer.h"
 #include "quadrics/molecule_styles.h"
 #include "raycaster/primitives_reference.h"
 #include "raycaster/renderer.h"
@@ -101,7 +102,7 @@ struct BenchScene {
 };
 
 Camera camera_of(Renderer& renderer) {
-    return frame_box(renderer.surface_box_world(), {0.3, 0.4, 1}, double(width) / height, 30);
+    return frame_box(renderer.surface_points_world(), {0.3, 0.4, 1}, double(width) / height, 30);
 }
 
 struct Frame {
@@ -123,7 +124,7 @@ void time_looks(Renderer& renderer, int repeats, bool is_plain) {
     rich.lights[0].shadow = Shadow::Soft;
     rich.effects.outlines.strength = 1;
     std::vector<std::pair<const char*, Look>> looks{{"plain", plain},
-                                                          {"soft shadows, outlines", rich}};
+                                                    {"soft shadows, outlines", rich}};
     if (is_plain) looks.pop_back();
     std::map<std::string, std::vector<double>> seconds;
     std::map<std::string, std::map<std::string, std::vector<double>>> of_pass;
@@ -154,6 +155,74 @@ void time_looks(Renderer& renderer, int repeats, bool is_plain) {
     }
 }
 
+std::array<double, 3> three(const Vec3d& v) {
+    return {v.x(), v.y(), v.z()};
+}
+
+void time_peer(const Primitives& primitives, const Camera& camera, int repeats) {
+    SpheresPeerScene scene{.eye = three(camera.eye_world),
+                           .target = three(camera.target_world),
+                           .up = three(camera.up),
+                           .fov_degrees = camera.fov_y_degrees,
+                           .width = width,
+                           .height = height,
+                           .repeats = repeats};
+    const auto rest = [](double radius, const Vec3d& colour) -> std::array<double, 4> {
+        return {radius, colour.x(), colour.y(), colour.z()};
+    };
+    for (const Sphere& s : primitives.spheres)
+        scene.spheres.push_back({three(s.centre_world), rest(s.radius_world, s.colour)});
+    for (const Cylinder& c : primitives.cylinders)
+        scene.sticks.push_back(
+            {three(c.a_world), three(c.b_world), rest(c.radius_world, c.colour)});
+    const SpheresFrame frame = vtk_spheres_peer(scene);
+    fmt::print("  {:<24} {:>7.4f} s;  {}\n", "VTK mappers", frame.seconds, frame.note);
+}
+
+/// Colours that halves hold exactly.
+Vec3d colour_of_number(int number) {
+    return {double(number & 1023), double(number >> 10 & 1023), 0};
+}
+
+/// Pixels that show another primitive than the double ray caster's.
+int wrong_pixels(Renderer& renderer, Primitives primitives, const Camera& camera) {
+    int number = 0;
+    for (Sphere& sphere : primitives.spheres) sphere.colour = colour_of_number(number++);
+    for (Cylinder& stick : primitives.cylinders) stick.colour = colour_of_number(number++);
+    renderer.load({.primitives = std::make_shared<Primitives>(primitives)});
+    renderer.draw(camera, width, height, {FrameImage::SplatColour});
+    const Image drawn = renderer.read(FrameImage::SplatColour);
+    const std::vector<SeenPrimitive> seen = cast_primitives(primitives, camera, width, height);
+    int wrong = 0;
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+        const float* rgba = &drawn.rgba[4 * i];
+        const int shown =
+            rgba[3] == 0 ? -1 : static_cast<int>(rgba[0]) + 1024 * static_cast<int>(rgba[1]);
+        wrong += shown != seen[i].number;
+    }
+    return wrong;
+}
+
+/// Spheres at the picture's borders and corners, and some that the eye's plane cuts.
+void count_hard_errors(Renderer& renderer) {
+    for (const double fov : {60.0, 90.0}) {
+        Camera camera{.eye_world = {0, 0, 5}, .fov_y_degrees = fov};
+        const double top = camera.half_height_at(5);
+        Primitives spheres;
+        for (const double y : {-1.0, 0.0, 1.0})
+            for (const double x : {-4.0 / 3, 0.0, 4.0 / 3})
+                spheres.spheres.push_back(
+                    {.centre_world = {x * top, y * top, 0}, .radius_world = 0.2 * top});
+        fmt::print("spheres at the borders and corners, fov {}: {} wrong pixels\n", fov,
+                   wrong_pixels(renderer, spheres, camera));
+    }
+    const Primitives cut{.spheres = {{.centre_world = {0.9, 0, 5.1}, .radius_world = 0.5},
+                                     {.centre_world = {-0.8, 0.2, 4.9}, .radius_world = 0.6},
+                                     {.centre_world = {0, 0.1, 5.3}, .radius_world = 4}}};
+    fmt::print("spheres across the eye's plane and around the eye: {} wrong pixels\n",
+               wrong_pixels(renderer, cut, {.eye_world = {0, 0, 5}}));
+}
+
 } // namespace
 
 int main(int argc, char** argv) try {
@@ -165,6 +234,8 @@ int main(int argc, char** argv) try {
     app.add_option("--repeats", repeats);
     bool is_plain = false;
     app.add_flag("--plain", is_plain, "plain shading alone");
+    bool has_peers = false;
+    app.add_flag("--peers", has_peers, "VTK's mappers in the same run");
     app.add_flag("--errors", counts_errors, "also count wrong pixels");
     CLI11_PARSE(app, argc, argv);
 
@@ -183,7 +254,12 @@ int main(int argc, char** argv) try {
         fmt::print("{}: {} spheres, {} cylinders\n", scene.name, primitives->spheres.size(),
                    primitives->cylinders.size());
         time_looks(renderer, repeats, is_plain);
+        const Camera camera = camera_of(renderer);
+        if (has_peers) time_peer(*primitives, camera, repeats);
+        if (counts_errors)
+            fmt::print("  wrong pixels: {}\n", wrong_pixels(renderer, *primitives, camera));
     }
+    if (counts_errors) count_hard_errors(renderer);
     return 0;
 } catch (const std::exception& error) {
     fmt::print(stderr, "bench_quadrics: {}\n", error.what());

@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
+#include <numbers>
 
 namespace isocast {
 
@@ -125,6 +127,45 @@ Eigen::AlignedBox3d box_of(const Primitives& primitives) {
     for (const ClippedQuadric& q : primitives.quadrics)
         extend(box, q.centre_world, q.axes_world.cwiseAbs().rowwise().sum());
     return box;
+}
+
+std::vector<Vec3d> extreme_points(const Primitives& primitives) {
+    constexpr int count = 128;
+    std::vector<Vec3d> points;
+    for (int i = 0; i < count; ++i) {
+        // A spiral from pole to pole by the golden angle.
+        const double z = 1 - (2 * i + 1.0) / count;
+        const double angle = i * std::numbers::pi * (3 - std::sqrt(5.0));
+        const double r = std::sqrt(1 - z * z);
+        const Vec3d d(r * std::cos(angle), r * std::sin(angle), z);
+        double farthest = -std::numeric_limits<double>::infinity();
+        Vec3d point = Vec3d::Zero();
+        const auto offer = [&](const Vec3d& p) {
+            if (!(d.dot(p) > farthest)) return;
+            farthest = d.dot(p);
+            point = p;
+        };
+        const auto offer_disc = [&](const Vec3d& centre, const Vec3d& axis, double radius) {
+            offer(centre + radius * (d - axis.dot(d) * axis).stableNormalized());
+        };
+        for (const Sphere& s : primitives.spheres) offer(s.centre_world + s.radius_world * d);
+        for (const Ellipsoid& e : primitives.ellipsoids)
+            offer(e.centre_world +
+                  e.axes_world * (e.axes_world.transpose() * d).stableNormalized());
+        for (const Cylinder& c : primitives.cylinders) {
+            const Vec3d axis = (c.b_world - c.a_world).stableNormalized();
+            for (const Vec3d& end : {c.a_world, c.b_world}) offer_disc(end, axis, c.radius_world);
+        }
+        for (const Cone& c : primitives.cones) {
+            const Vec3d axis = (c.b_world - c.a_world).stableNormalized();
+            offer_disc(c.a_world, axis, c.radius_a_world);
+            offer_disc(c.b_world, axis, c.radius_b_world);
+        }
+        for (const ClippedQuadric& q : primitives.quadrics)
+            offer(q.centre_world + q.axes_world * (q.axes_world.transpose() * d).cwiseSign());
+        if (std::isfinite(farthest)) points.push_back(point);
+    }
+    return points;
 }
 
 } // namespace isocast

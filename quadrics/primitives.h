@@ -83,4 +83,8 @@ void check(const Primitives& primitives);
 /// for clipped quadrics that of their boxes. Empty if there are none.
 Eigen::AlignedBox3d box_of(const Primitives& primitives);
 
+/// The farthest points of all of them in 128 directions, evenly spread: their convex hull has that
+/// of the primitives within 1.5 % of its width; of clipped quadrics that of their boxes.
+std::vector<Vec3d> extreme_points(const Primitives& primitives);
+
 } // namespace isocast

@@ -47,13 +47,14 @@ Ray camera_ray(const Camera& camera, int width, int height, double x, double y) 
             world_from_view * Vec3d(0, 0, -1)};
 }
 
-Camera frame_box(const std::array<Vec3d, 8>& corners_world, const Vec3d& direction_to_eye,
-                 double aspect, double fov_y_degrees) {
+Camera frame_box(std::span<const Vec3d> points_world, const Vec3d& direction_to_eye, double aspect,
+                 double fov_y_degrees) {
     if (!(fov_y_degrees > 0 && fov_y_degrees < 180))
         throw InputError(
             fmt::format("camera: fov must lie between 0 and 180 degrees, not {}", fov_y_degrees));
-    Vec3d centre = Vec3d::Zero();
-    for (const Vec3d& corner : corners_world) centre += corner / 8;
+    Eigen::AlignedBox3d box;
+    for (const Vec3d& point : points_world) box.extend(point);
+    const Vec3d centre = box.isEmpty() ? Vec3d(Vec3d::Zero()) : Vec3d(box.center());
 
     Camera camera;
     camera.fov_y_degrees = fov_y_degrees;
@@ -63,12 +64,12 @@ Camera frame_box(const std::array<Vec3d, 8>& corners_world, const Vec3d& directi
     if (direction_to_eye.normalized().cross(camera.up).norm() < 1e-3) camera.up = -Vec3d::UnitZ();
     const Mat3d rotation = camera.view_from_world_rotation();
 
-    // 0.96: a margin of 4 %. A corner (x, y, z) relative to the centre is inside the picture if
+    // 0.96: a margin of 4 %. A point (x, y, z) relative to the centre is inside the picture if
     // |y| <= tan * (distance - z), likewise for x with the aspect.
     const double tan_y = 0.96 * std::tan(fov_y_degrees * std::numbers::pi / 360);
     double distance = 0;
-    for (const Vec3d& corner : corners_world) {
-        const Vec3d p = rotation * (corner - centre);
+    for (const Vec3d& point : points_world) {
+        const Vec3d p = rotation * (point - centre);
         distance = std::max({distance, p.z() + std::abs(p.y()) / tan_y,
                              p.z() + std::abs(p.x()) / (tan_y * aspect)});
     }

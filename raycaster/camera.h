@@ -4,7 +4,7 @@
 
 #include "volume/grid_space.h"
 
-#include <array>
+#include <span>
 
 namespace isocast {
 
@@ -59,10 +59,10 @@ struct Ray {
 /// pixel (i, j) has its centre at (i + 0.5, j + 0.5).
 Ray camera_ray(const Camera& camera, int width, int height, double x, double y);
 
-/// A perspective camera that sees the whole of a box, given by its eight corners, from
+/// A perspective camera that sees the convex hull of some points, like the corners of a box, from
 /// `direction_to_eye`, with a margin of 4 % of the picture.
 /// throws  InputError unless 0 < fov < 180
-Camera frame_box(const std::array<Vec3d, 8>& corners_world, const Vec3d& direction_to_eye,
-                 double aspect, double fov_y_degrees);
+Camera frame_box(std::span<const Vec3d> points_world, const Vec3d& direction_to_eye, double aspect,
+                 double fov_y_degrees);
 
 } // namespace isocast

@@ -150,6 +150,15 @@ void draw_tiles(const FrameContext& frame, FrameImage image, const gl::Program& 
     draw_on_tiles(frame, program);
 }
 
+void draw_around_tiles(const FrameContext& frame, FrameImage image, const gl::Program& program,
+                       const Eigen::Vector4f& empty) {
+    frame.targets.framebuffer(image).bind();
+    glClearBufferfv(GL_COLOR, 0, empty.data());
+    PlacesOnGpu around;
+    around.set_runs(grown_runs(frame.places.tile_runs, frame.part.width, frame.part.height));
+    draw_on_tiles(frame, program, around);
+}
+
 void draw_everywhere(const FrameContext& frame, FrameImage image, const gl::Program& program) {
     frame.targets.framebuffer(image).bind();
     const std::vector<Eigen::Vector4i> runs = whole_picture(frame.part.width, frame.part.height);

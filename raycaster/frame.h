@@ -159,6 +159,9 @@ void draw_on_tiles(const FrameContext& frame, const gl::Program& program, const 
 /// The same into an image whose other pixels become `empty`.
 void draw_tiles(const FrameContext& frame, FrameImage image, const gl::Program& program,
                 const Eigen::Vector4f& empty);
+/// The same a pixel farther, for effects that reach so far beyond hits.
+void draw_around_tiles(const FrameContext& frame, FrameImage image, const gl::Program& program,
+                       const Eigen::Vector4f& empty);
 /// The same on all pixels.
 void draw_everywhere(const FrameContext& frame, FrameImage image, const gl::Program& program);
 

@@ -16,7 +16,8 @@ enum class FrameImage {
     Splat,     // number of the first primitive + 1, as this camera's splats are numbered; 0: none
     Hit,       // first hit: eye-relative position [world], object
     Steps,     // how often the ray's search looked at the field
-    Gradient,  // gradient of the field at the hit [1/world * world], world axes
+    Gradient,  // gradient of the field at the hit [1/world * world], world axes; of primitives the
+               // unit normal, then how wide they are, by 16 pixels and 1 at most; 1 for fields
     Curvature, // principal curvatures k1 >= k2 [1/world], 0; 1, or 2 where the gradient vanishes,
                // 3 at umbilics
     ViewCurvature,     // normal curvature in the direction of the ray [1/world]

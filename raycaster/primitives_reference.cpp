@@ -112,15 +112,21 @@ std::vector<SeenPrimitive> cast_primitives(const Primitives& primitives, const C
                     for (int x = window.x_lo; x < window.x_hi; ++x) {
                         const Ray ray = camera_ray(camera, width, height, x + 0.5, y + 0.5);
                         double t = nowhere;
-                        if constexpr (std::is_same_v<std::decay_t<decltype(one)>, Sphere>)
+                        Vec3d normal = Vec3d::Zero();
+                        if constexpr (std::is_same_v<std::decay_t<decltype(one)>, Sphere>) {
                             t = first_t(one, ray);
-                        else if (const auto hit =
-                                     intersect(one, ray.origin_world, ray.direction_world))
+                            normal =
+                                (ray.origin_world - one.centre_world + t * ray.direction_world) /
+                                one.radius_world;
+                        } else if (const auto hit =
+                                       intersect(one, ray.origin_world, ray.direction_world)) {
                             t = hit->t;
+                            normal = hit->normal;
+                        }
                         SeenPrimitive& pixel =
                             seen[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
                                  static_cast<std::size_t>(x)];
-                        if (t < pixel.t) pixel = {number, t};
+                        if (t < pixel.t) pixel = {number, t, normal};
                     }
                 ++number;
             }

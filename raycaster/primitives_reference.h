@@ -11,10 +11,11 @@
 namespace isocast {
 
 /// What a ray meets first: a primitive by its number, kind by kind in the order of Primitives, or
-/// -1; and how far along camera_ray()'s direction.
+/// -1; how far along camera_ray()'s direction; and the unit normal there.
 struct SeenPrimitive {
     int number = -1;
     double t = std::numeric_limits<double>::infinity();
+    Vec3d normal = Vec3d::Zero();
 };
 
 /// Of each pixel of a picture, the top row first. Each ray is tried against every primitive that

@@ -205,6 +205,12 @@ std::array<Vec3d, 8> Renderer::surface_box_world() const {
     return corners_of(composed_box());
 }
 
+std::vector<Vec3d> Renderer::surface_points_world() const {
+    if (objects_.empty()) return extreme_points(*scene_.primitives);
+    const std::array<Vec3d, 8> box = surface_box_world();
+    return {box.begin(), box.end()};
+}
+
 SeenScene Renderer::seen_by(const Camera& camera, int width, int height, const PicturePart& part) {
     SeenScene seen;
     std::vector<std::vector<Eigen::Vector4i>> runs;

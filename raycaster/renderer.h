@@ -65,6 +65,9 @@ public:
     /// Found when it is first asked for. Of several objects the least box along the world's axes
     /// that the tree of their boxes' gives.
     std::array<Vec3d, 8> surface_box_world() const;
+    /// Points whose convex hull is about that of all that is drawn: the corners of that box, or of
+    /// primitives alone their farthest points. Cameras frame these.
+    std::vector<Vec3d> surface_points_world() const;
     /// False if the field never crosses the iso value, or the boxes of several leave nothing.
     bool has_surface() const;
     const BrickPool& pool(int object = 0) const { return at(object).field().pool(); }

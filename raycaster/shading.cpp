@@ -148,20 +148,20 @@ void run_shading(FrameContext& frame) {
             "u_ray_vector",
             Eigen::Matrix3f(
                 world_vector_coefficients(frame.camera, frame.width, frame.height).cast<float>()));
-    const bool is_everywhere =
-        look.shows_environment ||
-        std::ranges::any_of(layers, [](const Layer& layer) { return layer.reaches_beyond_hits; });
     if (look.shows_environment)
         bind_environment(frame);
     else
         program.set("u_background", to_float(look.background));
-    if (is_everywhere) {
+    if (look.shows_environment) {
         draw_everywhere(frame, FrameImage::Beauty, program);
         return;
     }
     Eigen::Vector4f background = Eigen::Vector4f::Zero();
     background.head<3>() = to_float(look.background);
-    draw_tiles(frame, FrameImage::Beauty, program, background);
+    const bool reaches_beyond_hits =
+        std::ranges::any_of(layers, [](const Layer& layer) { return layer.reaches_beyond_hits; });
+    (reaches_beyond_hits ? draw_around_tiles : draw_tiles)(frame, FrameImage::Beauty, program,
+                                                           background);
 }
 
 std::vector<gl::ProgramKey> shading_programs() {

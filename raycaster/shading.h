@@ -19,8 +19,8 @@ enum class Blend {
 struct Layer {
     FrameImage image;
     Blend blend;
-    double strength; // in [0, 1]; 0: shading does not read the image
-    bool reaches_beyond_hits = false;
+    double strength;                  // in [0, 1]; 0: shading does not read the image
+    bool reaches_beyond_hits = false; // by a pixel
 };
 
 /// Those of every effect there is, in the order in which they are applied.

@@ -14,12 +14,14 @@ namespace {
 
 using Defines = std::map<std::string, std::string>;
 
-gl::ProgramKey splat_program(SplatKind kind, bool is_perspective) {
+/// distance  instead of the splat's number: how far away it is
+gl::ProgramKey splat_program(SplatKind kind, bool is_perspective, bool writes_distance = false) {
     const auto k = static_cast<std::size_t>(kind);
     return {{"quadrics/splat.vert", "quadrics/splat.frag"},
             {{"KIND", std::to_string(k)},
              {"FLOATS4", std::to_string(splat_floats[k] / 4)},
              {"PLACE4", kind == SplatKind::Sphere ? "1" : "2"}, // of the rectangle
+             {"WRITES_DISTANCE", writes_distance ? "1" : "0"},
              {"IS_PERSPECTIVE", is_perspective ? "1" : "0"}}};
 }
 
@@ -90,10 +92,33 @@ float owner_number(const FrameContext& frame) {
 
 } // namespace
 
+namespace {
+
+/// Into the bound framebuffer.
+///
+/// prepare  (program, those of its kind): sets what else it needs
+template<class Prepare>
+void draw_splats(const FrameContext& frame, bool writes_distance, Prepare prepare) {
+    for (const SplatsOnGpu::OfKind& of_kind : frame.seen.splats->kinds) {
+        const gl::Program& program = frame.shaders.program(
+            splat_program(of_kind.kind, is_perspective(frame), writes_distance));
+        set_ray_uniforms(program, frame);
+        program.set("u_clip_from_pixel",
+                    Eigen::Vector2f(2 / static_cast<float>(frame.part.width),
+                                    2 / static_cast<float>(frame.part.height)));
+        prepare(program, of_kind);
+        of_kind.records.texture.bind_to_unit(0);
+        frame.no_vertices.bind();
+        program.use();
+        glDrawArrays(GL_TRIANGLES, 0, 6 * of_kind.count);
+    }
+}
+
+} // namespace
+
 void run_splats(FrameContext& frame) {
-    const PicturePart& part = frame.part;
-    const gl::Texture depth =
-        gl::Texture::image(gl::Format::Depth32f, part.width, part.height, "depth of splats");
+    const gl::Texture depth = gl::Texture::image(gl::Format::Depth32f, frame.part.width,
+                                                 frame.part.height, "depth of splats");
     frame.scratch_bytes += depth.byte_count();
     const gl::Framebuffer target({&frame.targets.texture(FrameImage::Splat)}, "splats", &depth);
     target.bind();
@@ -103,21 +128,23 @@ void run_splats(FrameContext& frame) {
     set_fixed_state();
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
-    for (const SplatsOnGpu::OfKind& of_kind : frame.seen.splats->kinds) {
-        const gl::Program& program =
-            frame.shaders.program(splat_program(of_kind.kind, is_perspective(frame)));
-        set_ray_uniforms(program, frame);
-        program.set("u_clip_from_pixel", Eigen::Vector2f(2 / static_cast<float>(part.width),
-                                                         2 / static_cast<float>(part.height)));
+    draw_splats(frame, false, [&](const gl::Program& program, const SplatsOnGpu::OfKind& of_kind) {
         program.set("u_first_slot", of_kind.first_slot);
         // So small that what is nearer than 1e-20 of the scene's size alone is clamped.
         program.set("u_depth_unit", static_cast<float>(1e-20 * extent_diagonal_world(frame)));
-        of_kind.records.texture.bind_to_unit(0);
-        frame.no_vertices.bind();
-        program.use();
-        glDrawArrays(GL_TRIANGLES, 0, 6 * of_kind.count);
-    }
+    });
     glDisable(GL_DEPTH_TEST);
+}
+
+void draw_splat_distances(const FrameContext& frame, double unit_world) {
+    set_fixed_state();
+    glEnable(GL_BLEND);
+    glBlendEquation(GL_MIN);
+    draw_splats(frame, true, [&](const gl::Program& program, const SplatsOnGpu::OfKind&) {
+        program.set("u_units_per_world", static_cast<float>(1 / unit_world));
+    });
+    glBlendEquation(GL_FUNC_ADD);
+    glDisable(GL_BLEND);
 }
 
 void resolve_splats(FrameContext& frame) {
@@ -170,7 +197,9 @@ std::vector<gl::ProgramKey> splat_programs() {
     std::vector<gl::ProgramKey> keys;
     for (const bool is_perspective : {false, true}) {
         for (int k = 0; k < splat_kind_count; ++k)
-            keys.push_back(splat_program(static_cast<SplatKind>(k), is_perspective));
+            for (const bool writes_distance : {false, true})
+                keys.push_back(
+                    splat_program(static_cast<SplatKind>(k), is_perspective, writes_distance));
         // Kinds add code, each its own: each alone and all together.
         for (const unsigned kinds : {1U, 2U, 4U, 8U, 15U}) {
             for (const bool has_fields : {false, true})

@@ -8,6 +8,9 @@ namespace isocast {
 
 /// FrameImage::Splat, of what no field hides: order-independent, by depth.
 void run_splats(FrameContext& frame);
+/// Into the bound framebuffer of one float: distances along the view where they are less than what
+/// is there.
+void draw_splat_distances(const FrameContext& frame, double unit_world);
 /// Puts the splats' hits among those of the fields; the nearer wins. Colours with them where they
 /// are asked for, and normals where the frame's gradients are drawn with hits.
 void resolve_splats(FrameContext& frame);

@@ -165,6 +165,19 @@ std::vector<Eigen::Vector4i> union_of_runs(std::span<const std::vector<Eigen::Ve
     return runs_of_tiles(width, height, [&](std::size_t tile) { return is_seen[tile] != 0; });
 }
 
+std::vector<Eigen::Vector4i> grown_runs(const std::vector<Eigen::Vector4i>& runs, int width,
+                                        int height) {
+    std::vector<std::vector<Eigen::Vector4i>> copies;
+    for (const int up : {-1, 0, 1}) {
+        std::vector<Eigen::Vector4i>& moved = copies.emplace_back();
+        for (const Eigen::Vector4i& run : runs)
+            if (const int y = run.z() + up; y >= 0 && y < tiles_along(height))
+                moved.emplace_back(std::max(run.x() - 1, 0),
+                                   std::min(run.y() + 1, tiles_along(width)), y, 0);
+    }
+    return union_of_runs(copies, width, height);
+}
+
 TileLists list_blocks(const BlockRanges& ranges, const std::vector<ActivePage>& active,
                       const GridSpace& space, const Camera& camera, int width, int height,
                       const std::optional<PicturePart>& asked_part) {

@@ -50,6 +50,10 @@ std::vector<Eigen::Vector4i> runs_of_tiles(int width, int height,
 std::vector<Eigen::Vector4i> union_of_runs(std::span<const std::vector<Eigen::Vector4i>> runs,
                                            int width, int height);
 
+/// The same with all tiles next to them.
+std::vector<Eigen::Vector4i> grown_runs(const std::vector<Eigen::Vector4i>& runs, int width,
+                                        int height);
+
 /// The runs of all tiles of a picture, as TileLists::runs().
 std::vector<Eigen::Vector4i> whole_picture(int width, int height);
 

@@ -66,7 +66,7 @@ void run_outlines(FrameContext& frame) {
                 static_cast<float>(outlines.silhouette_threshold * extent_of(frame).size));
     program.set("u_crease_threshold", static_cast<float>(outlines.crease_threshold));
     program.set("u_colour", Eigen::Vector3f(outlines.colour.cast<float>()));
-    draw_everywhere(frame, FrameImage::Outlines, program);
+    draw_around_tiles(frame, FrameImage::Outlines, program, Eigen::Vector4f::Zero());
 }
 
 std::vector<gl::ProgramKey> outlines_programs() {

@@ -3,6 +3,7 @@
 
 #include "raycaster/field_passes.h"
 #include "raycaster/shading.h"
+#include "raycaster/splat_passes.h"
 
 #include <fmt/format.h>
 #include <glad/gl.h>
@@ -63,14 +64,19 @@ LightView light_view(const Light& light, const Camera& viewer, int pixels,
 void run_shadow_map(FrameContext& frame) {
     const LightView& light = *frame.light;
     OwnFrame of_light(frame, light.camera, light.width, light.height); // gone with this pass
-    cast_rays(of_light.frame);
+    const bool has_fields = of_light.frame.one != nullptr;
+    if (has_fields) cast_rays(of_light.frame);
+    frame.targets.framebuffer(FrameImage::ShadowMap).bind();
+    const Eigen::Vector4f nowhere = Eigen::Vector4f::Constant(1e30F); // as depth.frag's
+    glClearBufferfv(GL_COLOR, 0, nowhere.data());
+    if (!has_fields) {
+        draw_splat_distances(of_light.frame, light.texel_world);
+        return;
+    }
     const gl::Program& program = frame.shaders.program(depth_program());
     of_light.targets.texture(FrameImage::Hit).bind_to_unit(0);
     program.set("u_depth",
                 Eigen::Vector3f(light_from_world(light).row(2).transpose().cast<float>()));
-    frame.targets.framebuffer(FrameImage::ShadowMap).bind();
-    const Eigen::Vector4f nowhere = Eigen::Vector4f::Constant(1e30F); // as depth.frag's
-    glClearBufferfv(GL_COLOR, 0, nowhere.data());
     draw_on_tiles(of_light.frame, program);
 }
 

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "common/pixel.glsl"
 #include "filtering/curvature.glsl"
+#if DIRECTION_AT >= 0
 #include "filtering/principal_direction.glsl"
+#endif
 
 #if CURVATURE_AT >= 0
 // k1 >= k2 [1/world], 0; on a hit w 1, but 2 where the gradient vanishes, and k1 = k2 = 0, and 3 at

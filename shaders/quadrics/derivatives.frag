@@ -1,6 +1,7 @@
 // Normals of splats, or what follows from their Hessians, at each hit.
 // SPDX-License-Identifier: MPL-2.0
 #version 450 core
+#include "common/pixel.glsl" // before #if, since a file is included once
 // ORDER 1: the normal; 2: what follows from the Hessian.
 #if ORDER == 2
 #include "filtering/second_order.glsl"
@@ -12,7 +13,7 @@ uniform mat3 u_world_from_view;
 uniform float u_object; // as whose hits splats are written
 
 #if ORDER == 1
-out vec4 o_gradient; // world axes; w 1 on a hit
+out vec4 o_gradient; // world axes; w as FrameImage::Gradient
 #endif
 
 void main() {
@@ -21,7 +22,7 @@ void main() {
     Seen seen = seen_splat(int(texelFetch(t_splat, pixel, 0).r) - 1);
     vec3 normal = u_world_from_view * seen.hit.normal;
 #if ORDER == 1
-    o_gradient = vec4(normal, 1.0);
+    o_gradient = vec4(normal, width_on_picture(seen));
 #else
     // 2^-19: as of fields; curvatures follow from about as many roundings.
     float greatest = length(seen.hessian[0]) + length(seen.hessian[1]) + length(seen.hessian[2]);

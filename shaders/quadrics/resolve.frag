@@ -35,7 +35,7 @@ void main() {
 #endif
     o_hit = vec4(p_world, u_object);
 #if GRADIENT_AT >= 0
-    o_gradient = vec4(u_world_from_view * seen.hit.normal, 1.0);
+    o_gradient = vec4(u_world_from_view * seen.hit.normal, width_on_picture(seen));
 #endif
 #if COLOUR_AT >= 0
     o_colour = vec4(texelFetch(t_colours, int(seen.number)).rgb, 1.0);

@@ -4,8 +4,14 @@
 #include "quadrics/splat.glsl"
 
 flat in vec4 v_splat[FLOATS4 - PLACE4];
+// WRITES_DISTANCE: along the view, for the least of all to be kept; else the splat's number, with a
+// depth.
+#if WRITES_DISTANCE
+uniform float u_units_per_world;
+#else
 // Depths are this by the distance along the view: floats keep their digits at any.
 uniform float u_depth_unit;
+#endif
 
 layout(location = 0) out float o_splat;
 
@@ -31,5 +37,9 @@ void main() {
     o_splat = v_splat[2].w;
 #endif
     if (hit.t >= nowhere) discard;
+#if WRITES_DISTANCE
+    o_splat = u_units_per_world * hit.t;
+#else
     gl_FragDepth = u_depth_unit / hit.t;
+#endif
 }

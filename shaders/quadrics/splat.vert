@@ -6,7 +6,9 @@
 
 layout(binding = 0) uniform samplerBuffer t_records; // of this kind
 uniform vec2 u_clip_from_pixel;                      // 2 / size of the part, per axis
+#if !WRITES_DISTANCE
 uniform int u_first_slot;
+#endif
 // Squared [pixel^4]. Measured: setting up a second triangle takes longer than the pixels of one
 // twice as large.
 const float small_area = 64.0 * 64.0;
@@ -25,11 +27,13 @@ void main() {
     if (dot(side_a, side_a) * dot(side_b, side_b) < small_area)
         side = gl_VertexID % 6 < 3 ? 2.0 * side : vec2(0.0);
     for (int i = PLACE4; i < FLOATS4; ++i) v_splat[i - PLACE4] = texelFetch(t_records, FLOATS4 * splat + i);
+#if !WRITES_DISTANCE
     float slot = float(u_first_slot + splat + 1);
 #if KIND == 0
     v_splat[0].y = slot;
 #else
     v_splat[2].w = slot;
+#endif
 #endif
     vec2 pixel = first.xy + side.x * side_a + side.y * side_b;
     gl_Position = vec4(pixel * u_clip_from_pixel - 1.0, 0.0, 1.0);

@@ -12,6 +12,7 @@ uniform ivec4 u_counts;
 struct Seen {
     QuadricHit hit;
     float number;  // of the primitive
+    float width;   // of the thinnest way through it, about [world]
     mat3 hessian;  // of a function whose gradient is the normal [1/world], view space; flat on caps
 };
 
@@ -32,12 +33,27 @@ mat3 hessian_of(int kind, Quadric quadric, QuadricHit hit) {
 #endif
 }
 
+float width_of(Quadric quadric) {
+    mat3 rows = transpose(quadric.local_from_view);
+    return 2.0 * inversesqrt(max(max(dot(rows[0], rows[0]), dot(rows[1], rows[1])), dot(rows[2], rows[2])));
+}
+
+// As FrameImage::Gradient has it.
+float width_on_picture(Seen seen) {
+#if IS_PERSPECTIVE
+    float pixels = seen.width / (u_pixel * seen.hit.t);
+#else
+    float pixels = seen.width / u_pixel;
+#endif
+    return clamp(pixels / 16.0, 1e-3, 1.0);
+}
+
 // Loops for conditions, since software rasterisers run all sides of a condition; what ends them is
 // computed, or the compiler would see that they run but once.
 Seen seen_splat(int slot) {
     vec2 slope = ray_slope();
     vec3 start = ray_start();
-    Seen seen = Seen(QuadricHit(nowhere, vec3(0.0), vec3(0.0), false), 0.0, mat3(0.0));
+    Seen seen = Seen(QuadricHit(nowhere, vec3(0.0), vec3(0.0), false), 0.0, 0.0, mat3(0.0));
 #if HAS_0
     for (bool is_here = is_of(slot, 0); is_here; is_here = seen.number < -1.0) {
         int at = 3 * (slot - u_first_slots[0]);
@@ -49,7 +65,7 @@ Seen seen_splat(int slot) {
 #else
         mat3 hessian = mat3(0.0);
 #endif
-        seen = Seen(hit, at_eye.y, hessian);
+        seen = Seen(hit, at_eye.y, 2.0 * sphere.w, hessian);
     }
 #endif
 #if HAS_1
@@ -60,7 +76,7 @@ Seen seen_splat(int slot) {
                                        texelFetch(t_splats[1], at + 4),
                                        texelFetch(t_splats[1], at + 5), start);
         QuadricHit hit = first_hit(ball, quadric, slope, 0.0);
-        seen = Seen(hit, texelFetch(t_splats[1], at + 1).z, hessian_of(ball, quadric, hit));
+        seen = Seen(hit, texelFetch(t_splats[1], at + 1).z, width_of(quadric), hessian_of(ball, quadric, hit));
     }
 #endif
 #if HAS_2
@@ -70,7 +86,7 @@ Seen seen_splat(int slot) {
                                        texelFetch(t_splats[2], at + 3),
                                        texelFetch(t_splats[2], at + 4), start);
         QuadricHit hit = first_hit(cone, quadric, slope, 0.0);
-        seen = Seen(hit, texelFetch(t_splats[2], at + 1).z, hessian_of(cone, quadric, hit));
+        seen = Seen(hit, texelFetch(t_splats[2], at + 1).z, width_of(quadric), hessian_of(cone, quadric, hit));
     }
 #endif
 #if HAS_3
@@ -84,7 +100,7 @@ Seen seen_splat(int slot) {
                                        texelFetch(t_splats[3], at + 7),
                                        texelFetch(t_splats[3], at + 8), start);
         QuadricHit hit = first_hit(general, quadric, slope, 0.0);
-        seen = Seen(hit, texelFetch(t_splats[3], at + 1).z, hessian_of(general, quadric, hit));
+        seen = Seen(hit, texelFetch(t_splats[3], at + 1).z, width_of(quadric), hessian_of(general, quadric, hit));
     }
 #endif
     return seen;

@@ -21,8 +21,10 @@ struct Declared {
     FrameTargets targets;
     LookTextures look_textures;
     LookNumbers look_numbers;
-    FrameContext frame{shaders, no_vertices, scene, object, field,   field,         field,
-                       places,  camera,      1,     1,      targets, look_textures, look_numbers};
+    FrameObject one{object, field, field, field, {}, {}};
+    SeenScene seen;
+    FrameContext frame{shaders, no_vertices, scene, seen,    &one,          places,
+                       camera,  1,           1,     targets, look_textures, look_numbers};
     std::vector<Pass> passes = declare_passes(frame);
 };
 
@@ -85,7 +87,10 @@ TEST(LivePasses, NameThePassThatReadsWhatNobodyWrote) {
         EXPECT_STREQ(error.what(), "pass 'gradient' reads 'hit', which no pass before it writes");
     }
     std::vector<Pass> wrong_order = declared.passes;
-    std::swap(wrong_order[1], wrong_order[3]); // raycast and gradient
+    const auto named = [&](std::string_view name) {
+        return std::ranges::find(wrong_order, name, &Pass::name);
+    };
+    std::iter_swap(named("raycast"), named("gradient"));
     EXPECT_THROW(live_passes(wrong_order, {FrameImage::Gradient}), std::logic_error);
     EXPECT_THROW(live_passes({}, {FrameImage::Hit}), std::logic_error);
 }

@@ -231,8 +231,10 @@ Image drawn_in_order(const std::shared_ptr<const FieldSource>& field, const Came
     targets.framebuffer(FrameImage::Hit) = gl::Framebuffer({&hit}, "hit");
     LookTextures look_textures;
     LookNumbers look_numbers;
-    FrameContext frame{shaders, no_vertices, scene, object, on_gpu,  on_gpu,        on_gpu,
-                       places,  camera,      width, height, targets, look_textures, look_numbers};
+    SeenScene seen;
+    seen.objects.push_back({object, on_gpu, on_gpu, on_gpu, std::move(places), {}});
+    FrameContext frame{shaders, no_vertices, scene,  seen,    &seen.objects.front(), seen.places(),
+                       camera,  width,       height, targets, look_textures,         look_numbers};
     for (const Pass& pass : live_passes(declare_passes(frame), {FrameImage::Hit})) pass.run();
     Image image{width, height, std::vector<float>(std::size_t{4} * width * height)};
     hit.read_rgba(image.rgba);

@@ -35,10 +35,10 @@ inline void number_by_colour(Primitives& primitives) {
 }
 
 struct Judgement {
-    int wrong = 0;           // pixels that show another primitive, or one where there is none
-    int seen = 0;            // pixels that show one
-    double worst_error = 0;  // of hits' positions, by their distance from the eye
-    std::vector<int> pixels; // the first wrong ones
+    int wrong = 0;          // pixels that show another primitive, or one where there is none
+    int seen = 0;           // pixels that show one
+    double worst_error = 0; // how far hits are off the surface, by their distance from the eye
+    std::vector<std::string> pixels; // the first wrong ones
 };
 
 /// Draws the primitives, numbered by their colours, and compares.
@@ -56,7 +56,9 @@ inline Judgement judge(Renderer& renderer, Primitives primitives, const Camera& 
         judgement.seen += number >= 0;
         EXPECT_EQ(number >= 0, hits.rgba[4 * i + 3] != 0);
         if (number != shown[i].number) {
-            if (++judgement.wrong <= 5) judgement.pixels.push_back(static_cast<int>(i));
+            if (++judgement.wrong <= 5)
+                judgement.pixels.push_back(std::to_string(i) + ": " + std::to_string(number) +
+                                           " for " + std::to_string(shown[i].number));
             continue;
         }
         if (number < 0) continue;
@@ -65,7 +67,8 @@ inline Judgement judge(Renderer& renderer, Primitives primitives, const Camera& 
         const Ray ray = camera_ray(camera, width, height, x + 0.5, y + 0.5);
         const Vec3d p = ray.origin_world - camera.eye_world + ray.direction_world * shown[i].t;
         const Vec3d drawn = Eigen::Map<const Eigen::Vector3f>(&hits.rgba[4 * i]).cast<double>();
-        judgement.worst_error = std::max(judgement.worst_error, (drawn - p).norm() / p.norm());
+        judgement.worst_error =
+            std::max(judgement.worst_error, std::abs(shown[i].normal.dot(drawn - p)) / p.norm());
     }
     return judgement;
 }

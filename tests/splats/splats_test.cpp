@@ -35,7 +35,6 @@ TEST_F(Splat, OfEveryKindIsWhatTheRaysMeet) {
                 << run << " at " << testing::PrintToString(judgement.pixels);
             EXPECT_GT(judgement.seen, 1000);
             EXPECT_LT(judgement.worst_error, 1e-5);
-            std::cerr << judgement.seen << " " << judgement.worst_error << "\n";
         }
     }
 }

@@ -10,7 +10,7 @@
 //    0  0  0  = 4 (       )     (figure 7.6, which has its fetches elsewhere)
 //    1  2  1        C   D
 
-layout(binding = 0) uniform sampler2D t_source; // unit normal, nearness: outline_source.frag
+layout(binding = 0) uniform sampler2D t_source; // normal, nearness: outline_source.frag
 uniform mat3 u_ray_vector;                      // world axes, affine in the pixel
 uniform bool u_is_perspective;
 uniform vec3 u_pixel_x; // from a pixel to the next [world], of parallel rays; else at depth 1
@@ -21,16 +21,27 @@ uniform vec3 u_colour;
 
 out vec4 o_outlines; // linear RGB, coverage
 
-vec4 source_at(ivec2 off) {
-    return texelFetch(t_source, clamp(ivec2(gl_FragCoord.xy) + off, ivec2(0), textureSize(t_source, 0) - 1), 0);
+vec4 sources[9]; // of the pixel and those around it
+
+void fetch_sources() {
+    for (int i = 0; i < 9; ++i) {
+        ivec2 place = ivec2(gl_FragCoord.xy) + ivec2(i % 3, i / 3) - 1;
+        sources[i] = texelFetch(t_source, clamp(place, ivec2(0), textureSize(t_source, 0) - 1), 0);
+    }
 }
 
 // The mean around a corner of the pixel.
 //
 // x, y  -1 or 1
 vec4 corner(int x, int y) {
-    return 0.25 * ((source_at(ivec2(0)) + source_at(ivec2(x, y))) +
-                   (source_at(ivec2(x, 0)) + source_at(ivec2(0, y))));
+    return 0.25 * ((sources[4] + sources[4 + x + 3 * y]) + (sources[4 + x] + sources[4 + 3 * y]));
+}
+
+// How strong lines are on the nearest of what the stencil sees: a silhouette is that one's.
+float strength_of_nearest() {
+    vec4 nearest = sources[4];
+    for (int i = 0; i < 9; ++i) nearest = sources[i].w > nearest.w ? sources[i] : nearest;
+    return min(length(nearest.xyz), 1.0); // not a rounding more
 }
 
 // Clamped and linear, half at the threshold.
@@ -39,6 +50,7 @@ float ramp(float step, float threshold) {
 }
 
 void main() {
+    fetch_sources();
     vec4 a = corner(-1, -1);
     vec4 b = corner(1, -1);
     vec4 c = corner(-1, 1);
@@ -51,7 +63,7 @@ void main() {
     // Beside the plane through the pixel's point, which rises by `plane` from pixel to pixel. Half as
     // much is a slack for surfaces that bend: the slope of a circle from 1 to 3 pixels within its
     // silhouette is a quarter more than that at 2.
-    vec4 centre = source_at(ivec2(0));
+    vec4 centre = sources[4];
     float along_ray = dot(centre.xyz, u_ray_vector * vec3(1.0, picture_pixel()));
     float stable = along_ray < 0.0 ? min(along_ray, -1e-6) : max(along_ray, 1e-6);
     vec2 plane = vec2(dot(centre.xyz, u_pixel_x), dot(centre.xyz, u_pixel_y)) / stable;
@@ -62,5 +74,6 @@ void main() {
         // Of depths: 1/(near - jump) - 1/near, and beyond all bounds where that is the background.
         jump /= max(near * (near - jump), 1e-30);
     }
-    o_outlines = vec4(u_colour, max(ramp(jump, u_silhouette_threshold), ramp(crease, u_crease_threshold)));
+    float silhouette = strength_of_nearest() * ramp(jump, u_silhouette_threshold);
+    o_outlines = vec4(u_colour, max(silhouette, ramp(crease, u_crease_threshold)));
 }

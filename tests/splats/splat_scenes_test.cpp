@@ -1,0 +1,257 @@
+// Primitives beside fields, and what effects make of them.
+// SPDX-License-Identifier: MPL-2.0
+#include "../quadrics/random_primitives.h"
+#include "filtering/curvature.h"
+#include "quadrics/quadric.h"
+#include "splat_judge.h"
+#include "volume/analytic_fields.h"
+
+namespace isocast::test {
+namespace {
+
+const std::filesystem::path shader_folder = std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders";
+constexpr double nowhere = std::numeric_limits<double>::infinity();
+
+struct SplatScenes : testing::Test {
+    std::unique_ptr<gl::Context> context = gl::make_context({.backend = gl::Backend::Osmesa});
+    Renderer renderer{*context, shader_folder};
+    Camera camera{.eye_world = {0.8, 1.1, 5}, .target_world = Vec3d::Zero()};
+    int size = 160;
+    Random random{3};
+
+    Primitives some_of_each(int count) {
+        Primitives some;
+        for (int i = 0; i < count; ++i) {
+            some.spheres.push_back(random.sphere());
+            some.spheres.back().radius_world *= 0.3;
+            some.ellipsoids.push_back(random.ellipsoid());
+            some.cylinders.push_back(random.cylinder());
+            some.cylinders.back().radius_world *= 0.3;
+            some.cones.push_back(random.cone());
+            some.quadrics.push_back(random.clipped_quadric());
+        }
+        return some;
+    }
+    Ray ray_of(std::size_t pixel) const {
+        const auto width = static_cast<std::size_t>(size);
+        return camera_ray(camera, size, size, double(pixel % width) + 0.5,
+                          double(pixel / width) + 0.5);
+    }
+    const PassReport& pass(const FrameReport& report, std::string_view name) const {
+        for (const PassReport& p : report.passes)
+            if (p.name == name) return p;
+        throw std::logic_error("no such pass");
+    }
+};
+
+/// Where a ray meets a ball.
+double ball_t(const Ray& ray, const Vec3d& centre, double radius) {
+    const auto hit = intersect(Sphere{.centre_world = centre, .radius_world = radius},
+                               ray.origin_world, ray.direction_world);
+    return hit ? hit->t : nowhere;
+}
+
+TEST_F(SplatScenes, FieldsAndPrimitivesIntersectAlongTheRightCurves) {
+    const std::shared_ptr<const FieldSource> field =
+        sampled(sphere_field(Vec3d(0.1, 0, 0), 0.6), 64);
+    Primitives primitives;
+    primitives.spheres = {{.centre_world = {0.6, 0.1, 0.2}, .radius_world = 0.4},
+                          {.centre_world = {-0.4, 0.3, 0.4}, .radius_world = 0.3}};
+    primitives.cylinders = {
+        {.a_world = {0, -1, 0}, .b_world = {0.2, 1, 0.1}, .radius_world = 0.15}};
+    number_by_colour(primitives);
+    // A 64^3 sphere of the interpolating filter is within f'''' h^4 / 192 a line of its place.
+    const double h = 2.0 / 63;
+    const double field_error = 3 * 15 / std::pow(0.6, 3) / 192 * std::pow(h, 4);
+    for (const bool is_composed : {false, true}) {
+        Scene scene{.primitives = std::make_shared<Primitives>(primitives)};
+        scene.objects.push_back({.field = field});
+        if (is_composed) // its lower half alone
+            scene.objects.push_back({.field = sampled(sphere_field(Vec3d(0.1, 0.7, 0), 0.5), 64)});
+        if (is_composed)
+            scene.tree = {
+                {CsgOperation::Object, 0}, {CsgOperation::Object, 1}, {CsgOperation::Difference}};
+        const double primitive_owner = is_composed ? 3 : 2;
+        renderer.load(scene);
+        renderer.draw(camera, size, size,
+                      {FrameImage::Hit, FrameImage::SplatColour, FrameImage::Gradient});
+        const Image hits = renderer.read(FrameImage::Hit);
+        const Image colours = renderer.read(FrameImage::SplatColour);
+        const Image gradients = renderer.read(FrameImage::Gradient);
+        const std::vector<SeenPrimitive> seen = cast_primitives(primitives, camera, size, size);
+        int field_pixels = 0;
+        int primitive_pixels = 0;
+        for (std::size_t i = 0; i < seen.size(); ++i) {
+            const double owner = hits.rgba[4 * i + 3];
+            if (owner == primitive_owner) {
+                ++primitive_pixels;
+                EXPECT_EQ(number_of_colour(&colours.rgba[4 * i]), seen[i].number);
+                const Vec3d normal(gradients.rgba[4 * i], gradients.rgba[4 * i + 1],
+                                   gradients.rgba[4 * i + 2]);
+                EXPECT_LT((normal - seen[i].normal).norm(), 1e-3);
+            } else {
+                EXPECT_EQ(colours.rgba[4 * i + 3], 0);
+            }
+            if (is_composed) continue; // whose field owns which is for CSG's own tests
+            const double field_t = ball_t(ray_of(i), {0.1, 0, 0}, 0.6);
+            field_pixels += owner == 1;
+            const double slack = 20 * field_error; // where the ray grazes
+            const bool is_field = field_t < seen[i].t;
+            if (std::abs(field_t - seen[i].t) > slack && std::min(field_t, seen[i].t) < nowhere) {
+                EXPECT_EQ(owner, is_field ? 1 : primitive_owner) << i;
+            }
+        }
+        EXPECT_GT(primitive_pixels, 1000);
+        if (!is_composed) {
+            EXPECT_GT(field_pixels, 1000);
+        }
+    }
+}
+
+TEST_F(SplatScenes, CurvaturesAreThoseOfTheQuadrics) {
+    Primitives primitives = some_of_each(4);
+    primitives.cylinders.push_back({.a_world = {0.5, 0.7, 2},
+                                    .b_world = {0.6, 0.8, 2.5},
+                                    .radius_world = 0.2,
+                                    .is_capped = true});
+    number_by_colour(primitives);
+    renderer.load({.primitives = std::make_shared<Primitives>(primitives)});
+    renderer.draw(
+        camera, size, size,
+        {FrameImage::Hit, FrameImage::SplatColour, FrameImage::Curvature, FrameImage::Direction});
+    const Image curvatures = renderer.read(FrameImage::Curvature);
+    const Image directions = renderer.read(FrameImage::Direction);
+    const std::vector<SeenPrimitive> seen = cast_primitives(primitives, camera, size, size);
+    std::vector<Quadric> quadrics;
+    const auto append = [&](const auto& of_kind) {
+        for (const auto& one : of_kind) quadrics.push_back(quadric_of(one));
+    };
+    append(primitives.spheres);
+    append(primitives.ellipsoids);
+    append(primitives.cylinders);
+    append(primitives.cones);
+    append(primitives.quadrics);
+    int compared = 0;
+    int caps = 0;
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+        const float* drawn = &curvatures.rgba[4 * i];
+        EXPECT_EQ(drawn[3] != 0, seen[i].number >= 0);
+        if (seen[i].number < 0) continue;
+        const Quadric& quadric = quadrics[static_cast<std::size_t>(seen[i].number)];
+        const Ray ray = ray_of(i);
+        const Vec3d p = ray.origin_world + seen[i].t * ray.direction_world;
+        const QuadricDerivatives d = derivatives(quadric, p);
+        const Vec3d outward = d.gradient.normalized();
+        if ((outward - seen[i].normal).norm() > 1e-6) { // a cap is flat
+            EXPECT_EQ(drawn[0], 0);
+            EXPECT_EQ(drawn[1], 0);
+            ++caps;
+            continue;
+        }
+        const Curvatures k = principal_curvatures(d.gradient, d.hessian);
+        // Float positions are off by 1e-6 of the eye's distance, of which curvatures' own scale
+        // is a share: 5 / 0.02 radii; near a cone's apex they grow without bounds.
+        const double scale = std::max({std::abs(k.k1), std::abs(k.k2), 0.1});
+        if (scale > 100) continue;
+        EXPECT_NEAR(drawn[0], k.k1, 2e-3 * scale) << seen[i].number;
+        EXPECT_NEAR(drawn[1], k.k2, 2e-3 * scale) << seen[i].number;
+        if (k.k1 - k.k2 > 0.2 * scale) {
+            const Vec3d direction(directions.rgba[4 * i], directions.rgba[4 * i + 1],
+                                  directions.rgba[4 * i + 2]);
+            EXPECT_GT(std::abs(direction.dot(k.direction1)), std::cos(0.02)) << seen[i].number;
+        }
+        if (seen[i].number < 4) {
+            EXPECT_EQ(drawn[3], 3); // umbilics all over a sphere
+        }
+        ++compared;
+    }
+    EXPECT_GT(compared, 2000);
+    EXPECT_GT(caps, 20);
+}
+
+TEST_F(SplatScenes, PartsAreTheWholePicture) {
+    const auto primitives = std::make_shared<Primitives>(some_of_each(5));
+    Look look;
+    look.lights[0].shadow = Shadow::Soft;
+    renderer.load({.look = look, .primitives = primitives});
+    renderer.draw(camera, size, size, {FrameImage::Beauty, FrameImage::Hit});
+    const Image whole = renderer.read(FrameImage::Beauty);
+    for (const PicturePart& part : {PicturePart{.x = 3, .y = 17, .width = 61, .height = 44},
+                                    PicturePart{.x = 100, .y = 90, .width = 60, .height = 70}}) {
+        renderer.draw(camera, size, size, {FrameImage::Beauty}, part);
+        const Image drawn = renderer.read(FrameImage::Beauty);
+        for (int y = 0; y < part.height; ++y)
+            for (int x = 0; x < part.width; ++x)
+                for (int channel = 0; channel < 4; ++channel)
+                    ASSERT_EQ(
+                        drawn.rgba[static_cast<std::size_t>(4 * (y * part.width + x) + channel)],
+                        whole.rgba[static_cast<std::size_t>(4 * ((y + part.y) * size + x + part.x) +
+                                                            channel)])
+                        << x << ", " << y;
+    }
+}
+
+TEST_F(SplatScenes, RunOnlyWhatIsAsked) {
+    Primitives spheres;
+    spheres.spheres = {{}, {.centre_world = {1, 1, 0}}};
+    renderer.load({.primitives = std::make_shared<Primitives>(spheres)});
+    FrameReport report = renderer.draw(camera, size, size, {FrameImage::Hit});
+    for (const PassReport& p : report.passes)
+        EXPECT_EQ(p.ran, p.name == "splats" || p.name == "raycast") << p.name;
+    EXPECT_EQ(report.programs_compiled, 2); // splats of spheres, and their hits
+    EXPECT_EQ(report.field_bytes, 0);
+
+    report = renderer.draw(camera, size, size, {FrameImage::Beauty});
+    int ran = 0;
+    for (const PassReport& p : report.passes) ran += p.ran && p.drawn_by.empty();
+    EXPECT_EQ(ran, 3);                      // and shading: colours and normals come with the hits
+    EXPECT_EQ(report.programs_compiled, 4); // hits with these, and shading
+
+    // A field alone knows nothing of primitives.
+    Renderer other(*context, shader_folder);
+    other.load({.field = sampled(sphere_field(Vec3d::Zero(), 0.6), 32)});
+    report = other.draw(camera, size, size, {FrameImage::Beauty});
+    EXPECT_FALSE(pass(report, "splats").ran);
+    EXPECT_FALSE(pass(report, "splat colour").ran);
+    EXPECT_EQ(report.splat_bytes, 0);
+}
+
+TEST_F(SplatScenes, HardShadowsAreThoseOfRaysToTheLight) {
+    Primitives scene;
+    scene.cylinders = {
+        {.a_world = {0, -1, 0}, .b_world = {0, -0.6, 0}, .radius_world = 1.2, .is_capped = true}};
+    scene.spheres = {{.centre_world = {0.1, 0, 0}, .radius_world = 0.3},
+                     {.centre_world = {-0.5, -0.3, 0.3}, .radius_world = 0.2}};
+    Look look;
+    const Vec3d light = Vec3d(0.4, 1, 0.3).normalized();
+    look.lights = {{.direction = light, .is_in_view_space = false, .shadow = Shadow::Hard}};
+    renderer.load({.look = look, .primitives = std::make_shared<Primitives>(scene)});
+    camera.eye_world = {1, 2.5, 4};
+    renderer.draw(camera, size, size, {FrameImage::Shadow, FrameImage::Hit});
+    const Image shadows = renderer.read(FrameImage::Shadow);
+    const std::vector<SeenPrimitive> seen = cast_primitives(scene, camera, size, size);
+    // A texel is 2.4 / 160 of the world, and bilinear weights reach one and a half of them.
+    const double texel = 3.0 / size;
+    int dark = 0;
+    int lit = 0;
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+        if (seen[i].number != 2) continue; // on the cylinder, whose number comes after the spheres'
+        if (seen[i].normal.y() < 0.99) continue;
+        const Ray ray = ray_of(i);
+        const Vec3d p = ray.origin_world + seen[i].t * ray.direction_world;
+        double clearance = nowhere; // of the way to the light from the spheres; < 0: blocked
+        for (const Sphere& sphere : scene.spheres) {
+            const Vec3d to_centre = sphere.centre_world - p;
+            const double past = (to_centre - to_centre.dot(light) * light).norm();
+            clearance = std::min(clearance, past - sphere.radius_world);
+        }
+        if (std::abs(clearance) < 2 * texel) continue;
+        EXPECT_EQ(shadows.rgba[4 * i], clearance < 0 ? 0 : 1) << i;
+        ++(clearance < 0 ? dark : lit);
+    }
+    EXPECT_GT(dark, 100);
+    EXPECT_GT(lit, 1000);
+}
+
+} // namespace
+} // namespace isocast::test

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: MPL-2.0
+#include "quadrics/scatter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <random>
+#include <utility>
+
+namespace isocast {
+
+namespace {
+
+// Yuksel 2015: five candidates for each point; more gain little.
+constexpr std::size_t candidates_per_point = 5;
+constexpr int weight_power = 8;      // alpha
+constexpr double limit_share = 0.65; // beta
+constexpr double limit_power = 1.5;  // gamma
+
+/// From 0 to 1, without 1; unlike std::uniform_real_distribution the same in every library.
+double uniform(std::mt19937_64& random) {
+    return static_cast<double>(random() >> 11) * 0x1p-53;
+}
+
+/// Random points, one in each of `count` equal parts of the area.
+std::vector<SurfacePoint> candidates_of(std::span<const Vec3d> vertices,
+                                        std::span<const Eigen::Vector3i> triangles,
+                                        std::span<const double> area_up_to, std::size_t count,
+                                        std::mt19937_64& random) {
+    std::vector<SurfacePoint> points;
+    points.reserve(count);
+    const double total = area_up_to.back();
+    // The first that reaches the total: those behind it have no area.
+    const auto last = std::lower_bound(area_up_to.begin(), area_up_to.end(), total);
+    for (std::size_t k = 0; k < count; ++k) {
+        const double at =
+            (static_cast<double>(k) + uniform(random)) / static_cast<double>(count) * total;
+        // The first triangle beyond `at` is larger than nothing.
+        const auto found =
+            std::min(std::upper_bound(area_up_to.begin(), area_up_to.end(), at), last);
+        const auto triangle = static_cast<std::size_t>(found - area_up_to.begin());
+        // Uniform over a triangle: by its height the square root, by its width plain.
+        const double height = std::sqrt(uniform(random));
+        const double width = uniform(random);
+        const Vec3d barycentric(1 - height, height * (1 - width), height * width);
+        Vec3d position = Vec3d::Zero();
+        for (int c = 0; c < 3; ++c)
+            position += barycentric[c] * vertices[static_cast<std::size_t>(triangles[triangle][c])];
+        points.push_back({position, static_cast<int>(triangle), barycentric});
+    }
+    return points;
+}
+
+/// Finds points by cubic cells as large as the reach of a search.
+class Cells {
+public:
+    Cells(std::span<const SurfacePoint> points, double reach) : points_(points), reach_(reach) {
+        Eigen::AlignedBox3d box;
+        for (const SurfacePoint& p : points) box.extend(p.position_world);
+        lo_ = box.min();
+        // At most 2^20 cells along each axis, so that three numbers fit into one key.
+        size_ = std::max(reach, box.sizes().maxCoeff() * 0x1p-20);
+        for (std::size_t i = 0; i < points.size(); ++i)
+            order_.emplace_back(key_of(cell_of(points[i].position_world)), i);
+        std::sort(order_.begin(), order_.end());
+    }
+
+    /// Calls visit(j, distance) for each other point within reach of point i, in a fixed order.
+    template<class Visit>
+    void each_near(std::size_t i, Visit visit) const {
+        const Vec3d& p = points_[i].position_world;
+        const Cell cell = cell_of(p);
+        for (std::int64_t x = cell.x() - 1; x <= cell.x() + 1; ++x)
+            for (std::int64_t y = cell.y() - 1; y <= cell.y() + 1; ++y) {
+                const std::uint64_t from = key_of({x, y, cell.z() - 1});
+                const std::uint64_t to = key_of({x, y, cell.z() + 1});
+                for (auto at = std::lower_bound(order_.begin(), order_.end(),
+                                                std::pair(from, std::size_t{0}));
+                     at != order_.end() && at->first <= to; ++at) {
+                    const double distance = (points_[at->second].position_world - p).norm();
+                    if (at->second != i && distance < reach_) visit(at->second, distance);
+                }
+            }
+    }
+
+private:
+    using Cell = Eigen::Matrix<std::int64_t, 3, 1>;
+    Cell cell_of(const Vec3d& p) const {
+        return ((p - lo_) / size_).array().floor().matrix().cast<std::int64_t>();
+    }
+    static std::uint64_t key_of(const Cell& cell) { // from 1, as neighbours begin at -1
+        const Eigen::Matrix<std::uint64_t, 3, 1> c = (cell.array() + 1).cast<std::uint64_t>();
+        return c.x() << 42 | c.y() << 21 | c.z();
+    }
+
+    std::span<const SurfacePoint> points_;
+    double reach_ = 0;
+    double size_ = 0;
+    Vec3d lo_;
+    std::vector<std::pair<std::uint64_t, std::size_t>> order_;
+};
+
+/// A heap that knows where each item is: the heaviest is on top, of equals the first.
+class HeaviestFirst {
+public:
+    explicit HeaviestFirst(std::vector<double> weights)
+        : weights_(std::move(weights)), heap_(weights_.size()), place_(weights_.size()) {
+        std::iota(heap_.begin(), heap_.end(), std::size_t{0});
+        std::iota(place_.begin(), place_.end(), std::size_t{0});
+        for (std::size_t at = heap_.size() / 2; at-- > 0;) sink(at);
+    }
+    std::size_t size() const { return heap_.size(); }
+    bool holds(std::size_t item) const { return place_[item] != none; }
+    std::size_t take() {
+        const std::size_t top = heap_.front();
+        put(0, heap_.back());
+        heap_.pop_back();
+        place_[top] = none;
+        if (!heap_.empty()) sink(0);
+        return top;
+    }
+    void lighten(std::size_t item, double by) {
+        weights_[item] -= by;
+        sink(place_[item]);
+    }
+
+private:
+    static constexpr std::size_t none = ~std::size_t{0};
+    bool is_before(std::size_t a, std::size_t b) const {
+        return weights_[a] > weights_[b] || (weights_[a] == weights_[b] && a < b);
+    }
+    void put(std::size_t at, std::size_t item) {
+        heap_[at] = item;
+        place_[item] = at;
+    }
+    void sink(std::size_t at) {
+        const std::size_t item = heap_[at];
+        for (;;) {
+            std::size_t child = 2 * at + 1;
+            if (child >= heap_.size()) break;
+            if (child + 1 < heap_.size() && is_before(heap_[child + 1], heap_[child])) ++child;
+            if (!is_before(heap_[child], item)) break;
+            put(at, heap_[child]);
+            at = child;
+        }
+        put(at, item);
+    }
+
+    std::vector<double> weights_;
+    std::vector<std::size_t> heap_;
+    std::vector<std::size_t> place_; // of each item in heap_
+};
+
+} // namespace
+
+std::vector<SurfacePoint> scatter(std::span<const Vec3d> vertices_world,
+                                  std::span<const Eigen::Vector3i> triangles, std::size_t count,
+                                  std::uint64_t seed) {
+    std::vector<double> area_up_to;
+    double area = 0;
+    for (const Eigen::Vector3i& t : triangles) {
+        const Vec3d& a = vertices_world[static_cast<std::size_t>(t[0])];
+        const Vec3d& b = vertices_world[static_cast<std::size_t>(t[1])];
+        const Vec3d& c = vertices_world[static_cast<std::size_t>(t[2])];
+        area += (b - a).cross(c - a).norm() / 2;
+        area_up_to.push_back(area);
+    }
+    if (count == 0 || !(area > 0)) return {};
+
+    std::mt19937_64 random(seed);
+    const std::size_t candidate_count = candidates_per_point * count;
+    std::vector<SurfacePoint> points =
+        candidates_of(vertices_world, triangles, area_up_to, candidate_count, random);
+
+    // Yuksel's equations for the greatest radius in two dimensions and for the limit of weights.
+    const double radius_max =
+        std::sqrt(area / (2 * std::numbers::sqrt3 * static_cast<double>(count)));
+    const double radius_min =
+        radius_max * limit_share * (1 - std::pow(1.0 / candidates_per_point, limit_power));
+    const auto weight = [&](double distance) {
+        const double d = std::max(distance, 2 * radius_min);
+        return std::pow(1 - d / (2 * radius_max), weight_power);
+    };
+    const Cells cells(points, 2 * radius_max);
+    std::vector<double> weights(points.size(), 0);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        cells.each_near(i, [&](std::size_t, double distance) { weights[i] += weight(distance); });
+    HeaviestFirst left(std::move(weights));
+    while (left.size() > count) {
+        const std::size_t gone = left.take();
+        cells.each_near(gone, [&](std::size_t j, double distance) {
+            if (left.holds(j)) left.lighten(j, weight(distance));
+        });
+    }
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (left.holds(i)) points[kept++] = points[i];
+    points.resize(kept);
+    return points;
+}
+
+} // namespace isocast

@@ -63,9 +63,8 @@ bool has_whole(std::span<const std::string> names, std::span<const std::string_v
     return missing.empty();
 }
 
-// Beyond it squares would leave the floats in which pictures are made; below its inverse, too.
+// Beyond it squares would leave the floats in which pictures are made.
 constexpr double greatest_value = 1e30;
-constexpr double least_size = 1e-30;
 
 } // namespace
 
@@ -197,7 +196,7 @@ PointPrimitives primitives_of(const PointData& points, const PointLook& look) {
     for (std::size_t i = 0; i < positions.size(); ++i) {
         if (tensors.empty()) {
             const double r = radius ? (*radius)[i] : look.radius_world;
-            if (r < least_size)
+            if (r < least_glyph_size)
                 ++primitives.dropped;
             else
                 primitives.spheres.push_back({positions[i], r, colours[i]});
@@ -205,7 +204,7 @@ PointPrimitives primitives_of(const PointData& points, const PointLook& look) {
         }
         TensorAxes axes = axes_of_tensor(tensors[i]);
         axes.lengths *= look.tensor_scale;
-        if (axes.lengths[0] * look.least_axis < least_size) {
+        if (axes.lengths[0] * look.least_axis < least_glyph_size) {
             ++primitives.dropped;
             continue;
         }

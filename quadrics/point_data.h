@@ -47,6 +47,9 @@ PointData points_of_bytes(std::string_view bytes, const std::filesystem::path& n
 bool is_point_file(const std::filesystem::path& path);
 std::string point_file_extensions(); // ".ply, .csv"
 
+// Squares of smaller ones would leave the floats in which pictures are made.
+inline constexpr double least_glyph_size = 1e-30;
+
 struct PointLook {
     double radius_world = 1;               // of points without a column "radius"
     double tensor_scale = 1;               // world units per unit of an eigenvalue

@@ -58,7 +58,7 @@ std::optional<Real> first_crossing(const NormExponents<Real>& exponents,
 ///            misses the body grown as much misses, and the point lies as close to the surface, all
 ///            in units of N, that is of the semi-axes; and a few roundings of the distance from the
 ///            origin of rays are added: Superquadric.*
-/// source     Kindlmann 2004 eq. 2; the root as in first_crossing()
+/// source     Kindlmann 2004 for the body; the root as in first_crossing()
 template<class Real>
 std::optional<QuadricHitOf<Real>> first_hit(const SeenSuperquadric<Real>& body,
                                             const Eigen::Vector3<Real>& direction,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "quadrics/scatter.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -12,9 +14,7 @@ namespace isocast {
 
 namespace {
 
-// Yuksel 2015: five candidates for each point; more gain little.
 constexpr std::size_t candidates_per_point = 5;
-constexpr int weight_power = 8;      // alpha
 constexpr double limit_share = 0.65; // beta
 constexpr double limit_power = 1.5;  // gamma
 
@@ -52,34 +52,43 @@ std::vector<SurfacePoint> candidates_of(std::span<const Vec3d> vertices,
     return points;
 }
 
-/// Finds points by cubic cells as large as the reach of a search.
+/// Finds points by cubic cells as large as the reach of a search. It numbers them by cell, so that
+/// neighbours lie close in memory.
 class Cells {
 public:
-    Cells(std::span<const SurfacePoint> points, double reach) : points_(points), reach_(reach) {
+    Cells(std::span<const SurfacePoint> points, double reach) : reach_(reach) {
         Eigen::AlignedBox3d box;
         for (const SurfacePoint& p : points) box.extend(p.position_world);
         lo_ = box.min();
         // At most 2^20 cells along each axis, so that three numbers fit into one key.
         size_ = std::max(reach, box.sizes().maxCoeff() * 0x1p-20);
+        std::vector<std::pair<std::uint64_t, std::size_t>> order;
+        order.reserve(points.size());
         for (std::size_t i = 0; i < points.size(); ++i)
-            order_.emplace_back(key_of(cell_of(points[i].position_world)), i);
-        std::sort(order_.begin(), order_.end());
+            order.emplace_back(key_of(cell_of(points[i].position_world)), i);
+        std::sort(order.begin(), order.end());
+        for (const auto& [key, i] : order) {
+            keys_.push_back(key);
+            points_.push_back(points[i].position_world);
+            original_.push_back(i);
+        }
     }
+    std::size_t original(std::size_t i) const { return original_[i]; }
 
     /// Calls visit(j, distance) for each other point within reach of point i, in a fixed order.
     template<class Visit>
     void each_near(std::size_t i, Visit visit) const {
-        const Vec3d& p = points_[i].position_world;
+        const Vec3d& p = points_[i];
         const Cell cell = cell_of(p);
         for (std::int64_t x = cell.x() - 1; x <= cell.x() + 1; ++x)
             for (std::int64_t y = cell.y() - 1; y <= cell.y() + 1; ++y) {
-                const std::uint64_t from = key_of({x, y, cell.z() - 1});
                 const std::uint64_t to = key_of({x, y, cell.z() + 1});
-                for (auto at = std::lower_bound(order_.begin(), order_.end(),
-                                                std::pair(from, std::size_t{0}));
-                     at != order_.end() && at->first <= to; ++at) {
-                    const double distance = (points_[at->second].position_world - p).norm();
-                    if (at->second != i && distance < reach_) visit(at->second, distance);
+                const auto from =
+                    std::lower_bound(keys_.begin(), keys_.end(), key_of({x, y, cell.z() - 1}));
+                for (auto j = static_cast<std::size_t>(from - keys_.begin());
+                     j < keys_.size() && keys_[j] <= to; ++j) {
+                    const double distance = (points_[j] - p).norm();
+                    if (j != i && distance < reach_) visit(j, distance);
                 }
             }
     }
@@ -94,62 +103,69 @@ private:
         return c.x() << 42 | c.y() << 21 | c.z();
     }
 
-    std::span<const SurfacePoint> points_;
     double reach_ = 0;
     double size_ = 0;
     Vec3d lo_;
-    std::vector<std::pair<std::uint64_t, std::size_t>> order_;
+    std::vector<std::uint64_t> keys_;
+    std::vector<Vec3d> points_;
+    std::vector<std::size_t> original_;
 };
 
-/// A heap that knows where each item is: the heaviest is on top, of equals the first.
+/// A heap that knows where each item is: the heaviest is on top, of equals the one of least rank.
+/// Entries hold all that comparisons need, since looking it up elsewhere would take most of the
+/// time.
 class HeaviestFirst {
 public:
-    explicit HeaviestFirst(std::vector<double> weights)
-        : weights_(std::move(weights)), heap_(weights_.size()), place_(weights_.size()) {
-        std::iota(heap_.begin(), heap_.end(), std::size_t{0});
-        std::iota(place_.begin(), place_.end(), std::size_t{0});
-        for (std::size_t at = heap_.size() / 2; at-- > 0;) sink(at);
+    HeaviestFirst(std::span<const double> weights, std::span<const std::uint32_t> ranks)
+        : place_(weights.size()) {
+        for (std::size_t i = 0; i < weights.size(); ++i)
+            heap_.push_back({weights[i], ranks[i], static_cast<std::uint32_t>(i)});
+        for (std::uint32_t i = 0; i < heap_.size(); ++i) place_[i] = i;
+        for (std::size_t at = heap_.size() / 2; at-- > 0;) sink(at, heap_[at]);
     }
     std::size_t size() const { return heap_.size(); }
     bool holds(std::size_t item) const { return place_[item] != none; }
     std::size_t take() {
-        const std::size_t top = heap_.front();
-        put(0, heap_.back());
+        const std::uint32_t top = heap_.front().item;
+        const Entry last = heap_.back();
         heap_.pop_back();
+        if (!heap_.empty()) sink(0, last);
         place_[top] = none;
-        if (!heap_.empty()) sink(0);
         return top;
     }
     void lighten(std::size_t item, double by) {
-        weights_[item] -= by;
-        sink(place_[item]);
+        const std::size_t at = place_[item];
+        Entry entry = heap_[at];
+        entry.weight -= by;
+        sink(at, entry);
     }
 
 private:
-    static constexpr std::size_t none = ~std::size_t{0};
-    bool is_before(std::size_t a, std::size_t b) const {
-        return weights_[a] > weights_[b] || (weights_[a] == weights_[b] && a < b);
+    struct Entry {
+        double weight;
+        std::uint32_t rank, item;
+    };
+    static constexpr std::uint32_t none = ~std::uint32_t{0};
+    static bool is_before(const Entry& a, const Entry& b) {
+        return a.weight > b.weight || (a.weight == b.weight && a.rank < b.rank);
     }
-    void put(std::size_t at, std::size_t item) {
-        heap_[at] = item;
-        place_[item] = at;
-    }
-    void sink(std::size_t at) {
-        const std::size_t item = heap_[at];
+    /// Puts `entry` where it belongs at or below the free place `at`.
+    void sink(std::size_t at, Entry entry) {
         for (;;) {
             std::size_t child = 2 * at + 1;
             if (child >= heap_.size()) break;
             if (child + 1 < heap_.size() && is_before(heap_[child + 1], heap_[child])) ++child;
-            if (!is_before(heap_[child], item)) break;
-            put(at, heap_[child]);
+            if (!is_before(heap_[child], entry)) break;
+            heap_[at] = heap_[child];
+            place_[heap_[at].item] = static_cast<std::uint32_t>(at);
             at = child;
         }
-        put(at, item);
+        heap_[at] = entry;
+        place_[entry.item] = static_cast<std::uint32_t>(at);
     }
 
-    std::vector<double> weights_;
-    std::vector<std::size_t> heap_;
-    std::vector<std::size_t> place_; // of each item in heap_
+    std::vector<Entry> heap_;
+    std::vector<std::uint32_t> place_; // of each item in heap_
 };
 
 } // namespace
@@ -180,23 +196,33 @@ std::vector<SurfacePoint> scatter(std::span<const Vec3d> vertices_world,
         radius_max * limit_share * (1 - std::pow(1.0 / candidates_per_point, limit_power));
     const auto weight = [&](double distance) {
         const double d = std::max(distance, 2 * radius_min);
-        return std::pow(1 - d / (2 * radius_max), weight_power);
+        const double w = 1 - d / (2 * radius_max);
+        return (w * w * (w * w)) * (w * w * (w * w)); // alpha = 8
     };
     const Cells cells(points, 2 * radius_max);
     std::vector<double> weights(points.size(), 0);
-    for (std::size_t i = 0; i < points.size(); ++i)
+    tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
         cells.each_near(i, [&](std::size_t, double distance) { weights[i] += weight(distance); });
-    HeaviestFirst left(std::move(weights));
+    });
+    // Where nothing is near anything, as on a thin ribbon, all weights are 0: then chance decides,
+    // not the order of triangles or cells.
+    std::vector<std::uint32_t> ranks(points.size());
+    std::iota(ranks.begin(), ranks.end(), std::uint32_t{0});
+    for (std::size_t i = ranks.size(); i-- > 1;)
+        std::swap(ranks[i], ranks[static_cast<std::size_t>(uniform(random) * double(i + 1))]);
+    HeaviestFirst left(weights, ranks);
     while (left.size() > count) {
         const std::size_t gone = left.take();
         cells.each_near(gone, [&](std::size_t j, double distance) {
             if (left.holds(j)) left.lighten(j, weight(distance));
         });
     }
-    std::size_t kept = 0;
+    std::vector<std::size_t> kept;
     for (std::size_t i = 0; i < points.size(); ++i)
-        if (left.holds(i)) points[kept++] = points[i];
-    points.resize(kept);
+        if (left.holds(i)) kept.push_back(cells.original(i));
+    std::sort(kept.begin(), kept.end());
+    for (std::size_t k = 0; k < kept.size(); ++k) points[k] = points[kept[k]]; // kept[k] >= k
+    points.resize(kept.size());
     return points;
 }
 

@@ -33,8 +33,9 @@ struct SurfacePoint {
 /// accuracy        the closest pair is at least 0.65 of the greatest possible distance
 ///                 2 sqrt(area / (2 sqrt(3) count)) apart, that of a hexagonal lattice:
 ///                 Scatter.PointsKeepTheirDistance
-/// source          Yuksel 2015, "Sample Elimination for Generating Poisson Disk Sample Sets",
-///                 algorithm 1, with weight limits; constants of its author's cySampleElim.h
+/// source          Yuksel 2015, "Sample Elimination for Generating Poisson Disk Sample Sets", with
+///                 weight limits, as in its author's cySampleElim.h: alpha, beta, gamma and the
+///                 greatest radius; five candidates for each point
 std::vector<SurfacePoint> scatter(std::span<const Vec3d> vertices_world,
                                   std::span<const Eigen::Vector3i> triangles, std::size_t count,
                                   std::uint64_t seed);

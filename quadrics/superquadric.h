@@ -39,12 +39,12 @@ struct TensorGlyphLook {
 /// them boxes.
 ///
 /// returns  nothing for a tensor that is smaller than 1e-30
-/// source   Kindlmann 2004, "Superquadric Tensor Glyphs", eqs 1 and 4: c_l = (l1 - l2) / sum,
-///          c_p = 2 (l2 - l3) / sum; where c_l >= c_p alpha = (1 - c_p)^gamma and
-///          beta = (1 - c_l)^gamma about the first eigenvector, else alpha = (1 - c_l)^gamma and
-///          beta = (1 - c_p)^gamma about the third, so that beta <= alpha. As of Teem's glyph.c,
-///          which clamps c_l and c_p where we clamp alpha and beta, at 0.05. Of negative
-///          eigenvalues we take the absolute value, where the paper wants none
+/// source   Kindlmann 2004, "Superquadric Tensor Glyphs", as its author's Teem has it (ten/glyph.c,
+///          ten/aniso.c): c_l = (l1 - l2) / sum, c_p = 2 (l2 - l3) / sum; where c_l >= c_p
+///          alpha = (1 - c_p)^gamma and beta = (1 - c_l)^gamma about the first eigenvector, else
+///          alpha = (1 - c_l)^gamma and beta = (1 - c_p)^gamma about the third, so that
+///          beta <= alpha. Teem keeps c_l and c_p from 1, we alpha and beta from 0, by 0.05; of
+///          negative eigenvalues we take the absolute value
 std::optional<Superquadric> superquadric_of(const Vec3d& centre_world, const Mat3d& tensor,
                                             const TensorGlyphLook& look = {});
 

@@ -10,7 +10,7 @@
 namespace isocast {
 
 /// N(x, y, z) = (M^r + |z|^r)^(1/r) with M = (|x|^p + |y|^p)^(1/p): a norm for p, r >= 1, so that
-/// it is convex along any line. The superquadric of Kindlmann 2004 eq. 2,
+/// it is convex along any line. The superquadric of Kindlmann 2004,
 /// (|x|^(2/alpha) + |y|^(2/alpha))^(alpha/beta) + |z|^(2/beta) = 1, is N = 1.
 template<class Real>
 struct NormExponents {

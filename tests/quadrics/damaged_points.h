@@ -113,8 +113,8 @@ inline void expect_points_read_or_refused(int count, unsigned seed) {
                 FAIL() << whole.name << ", copy " << k << ": " << error.what() << "\n" << bytes;
             }
         }
-        // Else the copies are so damaged that they test only the first lines of the readers. A 20th:
-        // most of a text PLY is its header, where nearly each byte counts, and 10 % survive.
+        // Else the copies are so damaged that they test only the first lines of the readers. A
+        // 20th: most of a text PLY is its header, where nearly each byte counts, and 10 % survive.
         EXPECT_GT(read, count / 20) << whole.name;
         EXPECT_LT(read, count) << whole.name;
     }

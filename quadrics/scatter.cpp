@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -67,11 +68,32 @@ public:
         for (std::size_t i = 0; i < points.size(); ++i)
             order.emplace_back(key_of(cell_of(points[i].position_world)), i);
         std::sort(order.begin(), order.end());
+        std::vector<std::uint64_t> keys;
         for (const auto& [key, i] : order) {
-            keys_.push_back(key);
+            if (keys.empty() || keys.back() != key) {
+                keys.push_back(key);
+                firsts_.push_back(points_.size());
+            }
             points_.push_back(points[i].position_world);
             original_.push_back(i);
+            cell_.push_back(keys.size() - 1);
         }
+        firsts_.push_back(points_.size());
+        // A row of three cells along z is one range of keys, hence of points.
+        rows_.resize(keys.size());
+        tbb::parallel_for(std::size_t{0}, keys.size(), [&](std::size_t c) {
+            const auto index_of = [&](auto found) {
+                return firsts_[static_cast<std::size_t>(found - keys.begin())];
+            };
+            const Cell cell = cell_of(points_[firsts_[c]]);
+            for (int row = 0; row < 9; ++row) {
+                const std::int64_t x = cell.x() + row / 3 - 1, y = cell.y() + row % 3 - 1;
+                const auto from =
+                    std::lower_bound(keys.begin(), keys.end(), key_of({x, y, cell.z() - 1}));
+                const auto to = std::upper_bound(from, keys.end(), key_of({x, y, cell.z() + 1}));
+                rows_[c][static_cast<std::size_t>(row)] = {index_of(from), index_of(to)};
+            }
+        });
     }
     std::size_t original(std::size_t i) const { return original_[i]; }
 
@@ -79,17 +101,10 @@ public:
     template<class Visit>
     void each_near(std::size_t i, Visit visit) const {
         const Vec3d& p = points_[i];
-        const Cell cell = cell_of(p);
-        for (std::int64_t x = cell.x() - 1; x <= cell.x() + 1; ++x)
-            for (std::int64_t y = cell.y() - 1; y <= cell.y() + 1; ++y) {
-                const std::uint64_t to = key_of({x, y, cell.z() + 1});
-                const auto from =
-                    std::lower_bound(keys_.begin(), keys_.end(), key_of({x, y, cell.z() - 1}));
-                for (auto j = static_cast<std::size_t>(from - keys_.begin());
-                     j < keys_.size() && keys_[j] <= to; ++j) {
-                    const double distance = (points_[j] - p).norm();
-                    if (j != i && distance < reach_) visit(j, distance);
-                }
+        for (const Range& row : rows_[cell_[i]])
+            for (std::size_t j = row.from; j < row.to; ++j) {
+                const double distance = (points_[j] - p).norm();
+                if (j != i && distance < reach_) visit(j, distance);
             }
     }
 
@@ -106,9 +121,14 @@ private:
     double reach_ = 0;
     double size_ = 0;
     Vec3d lo_;
-    std::vector<std::uint64_t> keys_;
+    struct Range {
+        std::size_t from, to;
+    };
     std::vector<Vec3d> points_;
     std::vector<std::size_t> original_;
+    std::vector<std::size_t> cell_;          // of each point
+    std::vector<std::size_t> firsts_;        // points of each cell, and the end
+    std::vector<std::array<Range, 9>> rows_; // of each cell: points in it and around
 };
 
 /// A heap that knows where each item is: the heaviest is on top, of equals the one of least rank.

@@ -65,12 +65,14 @@ std::vector<Vec3d> b_factor_colours(const std::vector<Atom>& atoms) {
 
 } // namespace
 
+double linear_light(double srgb) {
+    return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
+}
+
 Vec3d linear_colour(std::uint32_t colour) {
     Vec3d linear;
-    for (int k = 0; k < 3; ++k) {
-        const double s = double((colour >> (16 - 8 * k)) & 0xff) / 255;
-        linear[k] = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
-    }
+    for (int k = 0; k < 3; ++k)
+        linear[k] = linear_light(double((colour >> (16 - 8 * k)) & 0xff) / 255);
     return linear;
 }
 

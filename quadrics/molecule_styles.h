@@ -51,9 +51,11 @@ MoleculePrimitives primitives_of(const Molecule& molecule, const MoleculeLook& l
 ///         are the same
 std::vector<Vec3d> colours_of(const Molecule& molecule, MoleculeColours colours);
 
-/// colour   0xRRGGBB
-/// returns  linear, 0 to 1
-/// source   IEC 61966-2-1
+/// From sRGB to linear, both 0 to 1.
+///
+/// source  IEC 61966-2-1
+double linear_light(double srgb);
+/// The same of all three parts of 0xRRGGBB.
 Vec3d linear_colour(std::uint32_t colour);
 
 } // namespace isocast

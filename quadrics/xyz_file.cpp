@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "quadrics/elements.h"
 #include "quadrics/molecule_parsers.h"
-#include "volume/errors.h"
+#include "quadrics/text_lines.h"
 
 #include <fmt/format.h>
 
@@ -12,29 +12,6 @@
 namespace isocast {
 
 namespace {
-
-class Lines {
-public:
-    Lines(std::string_view text, const std::string& name) : rest_(text), name_(name) {}
-
-    bool is_at_end() const { return rest_.empty(); }
-    std::string_view next() {
-        ++line_;
-        const std::size_t end = rest_.find('\n');
-        std::string_view line = rest_.substr(0, end);
-        rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
-        if (line.ends_with('\r')) line.remove_suffix(1);
-        return line;
-    }
-    [[noreturn]] void fail(const std::string& cause) const {
-        throw InputError(fmt::format("{}:{}: {}", name_, line_, cause));
-    }
-
-private:
-    std::string_view rest_;
-    const std::string& name_;
-    int line_ = 0;
-};
 
 /// Takes the first word off `line`.
 std::string_view take_word(std::string_view& line) {
@@ -48,7 +25,7 @@ std::string_view take_word(std::string_view& line) {
 
 MoleculeFile parse_xyz(std::string_view bytes, const std::string& name) {
     MoleculeFile file;
-    Lines lines(bytes, name);
+    TextLines lines(bytes, name);
     for (int model = 1; !lines.is_at_end(); ++model) {
         const std::string_view count_text = trimmed(lines.next());
         if (count_text.empty()) { // blank lines after a frame are none of the format's, but common

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: MPL-2.0
+#include "quadrics/superquadric.h"
+
+#include "volume/errors.h"
+
+#include <fmt/format.h>
+
+namespace isocast {
+
+namespace {
+
+NormExponents<double> exponents_of(const Superquadric& superquadric) {
+    return {2 / superquadric.alpha, 2 / superquadric.beta};
+}
+
+} // namespace
+
+void check(std::span<const Superquadric> superquadrics) {
+    for (std::size_t i = 0; i < superquadrics.size(); ++i) {
+        const Superquadric& s = superquadrics[i];
+        const auto fail = [&](const std::string& cause) {
+            throw InputError(fmt::format("superquadric {}: {}", i, cause));
+        };
+        if (!s.centre_world.allFinite() || !s.axes_world.allFinite()) fail("it is not finite");
+        if (s.axes_world.determinant() == 0) fail("its axes lie in a plane");
+        for (const double exponent : {s.alpha, s.beta})
+            if (!(exponent >= least_superquadric_exponent && exponent <= 1))
+                fail(fmt::format("an exponent is {}, not from {} to 1", exponent,
+                                 least_superquadric_exponent));
+    }
+}
+
+std::optional<Superquadric> superquadric_of(const Vec3d& centre_world, const Mat3d& tensor,
+                                            const TensorGlyphLook& look) {
+    const TensorAxes axes = axes_of_tensor(tensor);
+    const Vec3d lengths = (axes.lengths * look.tensor_scale)
+                              .cwiseMax(look.least_axis * look.tensor_scale * axes.lengths[0]);
+    if (!(lengths[2] >= least_glyph_size)) return std::nullopt;
+    const Vec3d& l = axes.lengths;
+    const Vec3d shares = l / l.sum();
+    const double c_l = shares[0] - shares[1];
+    const double c_p = 2 * (shares[1] - shares[2]);
+    const bool is_linear = c_l >= c_p;
+    const auto exponent = [&](double c) {
+        return std::max(std::pow(std::max(1 - c, 0.0), look.sharpness),
+                        least_superquadric_exponent);
+    };
+    Superquadric superquadric{.centre_world = centre_world,
+                              .alpha = exponent(is_linear ? c_p : c_l),
+                              .beta = exponent(is_linear ? c_l : c_p)};
+    for (int k = 0; k < 3; ++k) {
+        const int of = is_linear ? (k + 1) % 3 : k; // the axis is the first or the third
+        superquadric.axes_world.col(k) = axes.directions.col(of) * lengths[of];
+    }
+    return superquadric;
+}
+
+SuperquadricGlyphs superquadrics_of(const PointData& points, const TensorGlyphLook& look) {
+    const std::vector<Mat3d> tensors = tensors_of(points);
+    if (tensors.empty()) throw InputError("there are no tensors: no columns txx, tyy, …");
+    const std::vector<Vec3d> positions = points.positions_world();
+    const std::vector<Vec3d> colours = colours_of(points, Superquadric{}.colour);
+    SuperquadricGlyphs glyphs;
+    for (std::size_t i = 0; i < tensors.size(); ++i) {
+        std::optional<Superquadric> glyph = superquadric_of(positions[i], tensors[i], look);
+        if (!glyph) {
+            ++glyphs.dropped;
+            continue;
+        }
+        glyph->colour = colours[i];
+        glyphs.superquadrics.push_back(*glyph);
+    }
+    return glyphs;
+}
+
+template<class Real>
+SeenSuperquadric<Real> seen_from(const Superquadric& superquadric, const Vec3d& origin_world) {
+    const NormExponents<double> exponents = exponents_of(superquadric);
+    return {(superquadric.centre_world - origin_world).cast<Real>(),
+            superquadric.axes_world.inverse().cast<Real>(),
+            {static_cast<Real>(exponents.p), static_cast<Real>(exponents.r)}};
+}
+template SeenSuperquadric<float> seen_from(const Superquadric&, const Vec3d&);
+template SeenSuperquadric<double> seen_from(const Superquadric&, const Vec3d&);
+
+QuadricDerivatives derivatives(const Superquadric& superquadric, const Vec3d& p_world) {
+    const Mat3d m = superquadric.axes_world.inverse();
+    const Vec3d q = m * (p_world - superquadric.centre_world);
+    const NormExponents<double> exponents = exponents_of(superquadric);
+    return {m.transpose() * superquadric_norm(q, exponents).gradient,
+            m.transpose() * superquadric_norm_hessian(q, exponents) * m};
+}
+
+double support(const Superquadric& superquadric, const Vec3d& n_world) {
+    return superquadric_norm(Vec3d(superquadric.axes_world.transpose() * n_world),
+                             dual(exponents_of(superquadric)))
+        .value;
+}
+
+Eigen::AlignedBox3d box_of(std::span<const Superquadric> superquadrics) {
+    Eigen::AlignedBox3d box;
+    for (const Superquadric& s : superquadrics) {
+        const Vec3d half(support(s, Vec3d::UnitX()), support(s, Vec3d::UnitY()),
+                         support(s, Vec3d::UnitZ()));
+        box.extend(Vec3d(s.centre_world - half));
+        box.extend(Vec3d(s.centre_world + half));
+    }
+    return box;
+}
+
+ScreenBounds screen_bounds(const Superquadric& superquadric, const PictureSpace& space) {
+    return superquadric_bounds<double>(space.view_from_world *
+                                           (superquadric.centre_world - space.eye_world),
+                                       space.view_from_world * superquadric.axes_world,
+                                       exponents_of(superquadric), space.is_perspective);
+}
+
+} // namespace isocast

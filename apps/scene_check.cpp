@@ -52,12 +52,15 @@ std::string key_of_operands(const SceneFile& scene, std::size_t i) {
 void check_object(const SceneFile& scene, std::size_t i, Problems& problems) {
     const SceneObject& object = scene.objects[i];
     const int sources = !object.field.empty() + !object.mesh.empty() + object.csg.has_value() +
-                        !object.morph.empty() + !object.series.empty() + !object.molecule.empty();
+                        !object.morph.empty() + !object.series.empty() + !object.molecule.empty() +
+                        !object.points.empty();
     if (sources != 1)
         problems.add(
             fmt::format("object.{}", i),
-            fmt::format("one of field, mesh, csg, morph, series and molecule is needed, not {}",
-                        sources == 0 ? "none" : std::to_string(sources)));
+            fmt::format(
+                "one of field, mesh, csg, morph, series, molecule and points is needed, not "
+                "{}",
+                sources == 0 ? "none" : std::to_string(sources)));
     if (!object.name.empty() && object_named(scene, object.name) != i)
         problems.add(key_of(i, "name"), fmt::format("there is another '{}'", object.name));
     if (object.csg && object.of.size() < 2)
@@ -74,8 +77,9 @@ void check_object(const SceneFile& scene, std::size_t i, Problems& problems) {
                                         std::pair{"filter", object.filter.has_value()},
                                         std::pair{"colour", object.colour.has_value()},
                                         std::pair{"cut_colour", object.cut_colour.has_value()}})
-        if (!object.molecule.empty() && is_there)
-            problems.add(key_of(i, key), "a molecule has none: its atoms are no field");
+        if (is_of_primitives(object) && is_there &&
+            !(key == std::string_view("colour") && object.molecule.empty()))
+            problems.add(key_of(i, key), "for fields: molecules and points are none");
     const Placement unplaced;
     for (const auto& [key, is_there] :
          {std::pair{"iso", object.iso_world.has_value()},
@@ -94,9 +98,9 @@ void check_object(const SceneFile& scene, std::size_t i, Problems& problems) {
             problems.add(
                 key_of_operands(scene, i),
                 fmt::format("there is no object '{}' (known: {})", name, fmt::join(known, ", ")));
-        } else if (!scene.objects[*operand].molecule.empty()) {
+        } else if (is_of_primitives(scene.objects[*operand])) {
             problems.add(key_of_operands(scene, i),
-                         fmt::format("'{}' is a molecule, not a field", name));
+                         fmt::format("'{}' is a molecule or points, not a field", name));
         } else if (!object.csg && scene.objects[*operand].csg) {
             problems.add(key_of_operands(scene, i),
                          fmt::format("'{}' is a csg; a morph blends two fields, meshes, morphs or "

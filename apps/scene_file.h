@@ -5,6 +5,7 @@
 #include "apps/camera_spec.h"
 #include "apps/exr_layers.h"
 #include "quadrics/molecule_styles.h"
+#include "quadrics/point_data.h"
 #include "raycaster/scene.h"
 #include "volume/placed_field.h"
 
@@ -15,8 +16,8 @@
 
 namespace isocast {
 
-/// A field, and how it is drawn; or a molecule. One of field, mesh, csg, morph, series and molecule
-/// says where it comes from.
+/// A field, and how it is drawn; or primitives. One of field, mesh, csg, morph, series, molecule
+/// and points says where it comes from.
 struct SceneObject {
     enum class Csg { Union, Intersection, Difference };
     std::string name;
@@ -32,6 +33,8 @@ struct SceneObject {
     std::string molecule;       // file
     MoleculeOptions atoms;      // of it
     MoleculeLook molecule_look; // of it
+    std::string points;         // file of points with attributes
+    PointLook point_look;       // of them
 
     std::optional<int> resolution; // of meshes
     double band_voxels = 3;        // of meshes, half width
@@ -126,6 +129,11 @@ void check_scene(const SceneFile& scene);
 
 /// By its name.
 std::optional<std::size_t> object_named(const SceneFile& scene, const std::string& name);
+
+/// Whether it is drawn as primitives, not as a field.
+inline bool is_of_primitives(const SceneObject& object) {
+    return !object.molecule.empty() || !object.points.empty();
+}
 
 /// Names of what an object is made of; none for a field, a mesh or a series.
 const std::vector<std::string>& operands_of(const SceneObject& object);

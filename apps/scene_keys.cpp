@@ -126,10 +126,13 @@ SceneTable object_table() {
     });
     constexpr auto atoms = within(
         [](SceneFile& file, std::size_t i) -> MoleculeOptions& { return file.objects[i].atoms; });
+    constexpr auto point_look = within(
+        [](SceneFile& file, std::size_t i) -> PointLook& { return file.objects[i].point_look; });
     using Csg = SceneObject::Csg;
     return {
         "object",
-        "What is drawn. One of field, mesh, csg, morph, series and molecule says what it is. "
+        "What is drawn. One of field, mesh, csg, morph, series, molecule and points says what it "
+        "is. "
         "Objects that another one is made of are not drawn themselves.",
         {text("name", object(&SceneObject::name), "By which others refer to it"),
          input("field", &SceneObject::field, "a field", "file or field:NAME@N",
@@ -188,6 +191,23 @@ SceneTable object_table() {
          truth("waters", atoms(&MoleculeOptions::waters), "Molecules: whether water is shown"),
          text("selection", atoms(&MoleculeOptions::selection),
               "Molecules: chains and residues, like \"A,B:10-50\"; all unless said"),
+         special("points", "file", "",
+                 "Points from .csv or .ply with columns x, y, z and perhaps radius; red, green, "
+                 "blue (to 255) or r, g, b (to 1); txx, tyy, tzz, txy, txz, tyz of a tensor, which "
+                 "is shown as an ellipsoid",
+                 [](SceneFile& file, std::size_t i, const SceneValue& value, const Path& folder) {
+                     const std::string path = resolved(text_of(value), folder);
+                     if (!is_point_file(path))
+                         throw UsageError(fmt::format("'{}' is no file of points ({})", path,
+                                                      point_file_extensions()));
+                     if (!std::filesystem::exists(path))
+                         throw InputError(fmt::format("{}: no such file", path));
+                     file.objects[i].points = path;
+                 }),
+         number("radius", point_look(&PointLook::radius_world), positive,
+                "Points: of those without a column `radius`"),
+         number("tensor_scale", point_look(&PointLook::tensor_scale), positive,
+                "Points: semi-axes by eigenvalues"),
          integer("resolution", object(&SceneObject::resolution), {},
                  "Meshes: voxels along the longest side, 256 unless said"),
          number("band", object(&SceneObject::band_voxels), Range{.lo = 1},

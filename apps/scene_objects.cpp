@@ -35,7 +35,7 @@ std::vector<std::size_t> drawn_objects(const SceneFile& scene) {
         used.insert(operands_of(object).begin(), operands_of(object).end());
     std::vector<std::size_t> drawn;
     for (std::size_t i = 0; i < scene.objects.size(); ++i)
-        if (!used.contains(scene.objects[i].name) && scene.objects[i].molecule.empty())
+        if (!used.contains(scene.objects[i].name) && !is_of_primitives(scene.objects[i]))
             drawn.push_back(i);
     return drawn;
 }
@@ -70,7 +70,7 @@ std::vector<std::string> inputs_of(const SceneObject& object) {
         if (next.fraction == 0) return {next.before.path};
         return {next.before.path, next.after.path};
     }
-    if (object.csg || !object.morph.empty() || !object.molecule.empty()) return {};
+    if (object.csg || !object.morph.empty() || is_of_primitives(object)) return {};
     return {object.mesh.empty() ? object.field : object.mesh};
 }
 
@@ -138,6 +138,13 @@ void SceneObjects::open(const SceneFile& scene) {
                      : std::make_shared<Molecule>(read_molecule(object.molecule, object.atoms)));
     }
     molecules_ = std::move(molecules);
+    std::map<std::string, PointData> points;
+    for (const SceneObject& object : scene.objects) {
+        if (object.points.empty() || points.contains(object.points)) continue;
+        auto kept = points_.extract(object.points);
+        points.emplace(object.points, kept ? std::move(kept.mapped()) : read_points(object.points));
+    }
+    points_ = std::move(points);
 }
 
 /// Fields of a frame's objects.
@@ -231,19 +238,33 @@ private:
 
 namespace {
 
-/// Appends what a molecule is drawn as, where its object places it.
-void append(const MoleculePrimitives& drawn, const Placement& placement, Primitives& out) {
+// Each appends what an object is drawn as, where the object places it.
+
+void append(std::span<const Sphere> spheres, const Placement& placement, Primitives& out) {
     const Eigen::Affine3d to_world = placement.to_world();
-    for (Sphere sphere : drawn.spheres) {
+    for (Sphere sphere : spheres) {
         sphere.centre_world = to_world * sphere.centre_world;
         sphere.radius_world *= placement.scale;
         out.spheres.push_back(sphere);
     }
-    for (Cylinder stick : drawn.sticks) {
+}
+
+void append(std::span<const Cylinder> sticks, const Placement& placement, Primitives& out) {
+    const Eigen::Affine3d to_world = placement.to_world();
+    for (Cylinder stick : sticks) {
         stick.a_world = to_world * stick.a_world;
         stick.b_world = to_world * stick.b_world;
         stick.radius_world *= placement.scale;
         out.cylinders.push_back(stick);
+    }
+}
+
+void append(std::span<const Ellipsoid> ellipsoids, const Placement& placement, Primitives& out) {
+    const Eigen::Affine3d to_world = placement.to_world();
+    for (Ellipsoid ellipsoid : ellipsoids) {
+        ellipsoid.centre_world = to_world * ellipsoid.centre_world;
+        ellipsoid.axes_world = to_world.linear() * ellipsoid.axes_world;
+        out.ellipsoids.push_back(ellipsoid);
     }
 }
 
@@ -265,10 +286,25 @@ Scene SceneObjects::compose(const SceneFile& scene, const Progress& progress,
     }
     auto primitives = std::make_shared<Primitives>();
     auto molecule = molecules_.begin(); // in the order of the objects
-    for (const SceneObject& object : scene.objects)
-        if (!object.molecule.empty())
-            append(primitives_of(*molecule++->second, object.molecule_look), object.placement,
-                   *primitives);
+    for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+        const SceneObject& object = scene.objects[i];
+        if (!object.molecule.empty()) {
+            const MoleculePrimitives drawn =
+                primitives_of(*molecule++->second, object.molecule_look);
+            append(drawn.spheres, object.placement, *primitives);
+            append(drawn.sticks, object.placement, *primitives);
+        }
+        if (!object.points.empty()) {
+            PointLook look = object.point_look;
+            look.colour = object.colour.value_or(scene.look.material.colour);
+            const PointPrimitives drawn = primitives_of(points_.at(object.points), look);
+            append(drawn.spheres, object.placement, *primitives);
+            append(drawn.ellipsoids, object.placement, *primitives);
+            if (drawn.dropped > 0)
+                warn(fmt::format("{}: {} points of no size are not drawn", name_of(scene, i),
+                                 drawn.dropped));
+        }
+    }
     if (primitives->count() > 0) out.primitives = std::move(primitives);
     return out;
 }

@@ -82,7 +82,7 @@ private:
         Placement placement;
         std::shared_ptr<const FieldSource> field;
     };
-    /// Atoms that were read, and of what.
+    /// Atoms and points that were read, and of what.
     struct MoleculeKey {
         std::string path;
         MoleculeOptions atoms;
@@ -96,6 +96,7 @@ private:
     std::map<std::size_t, Pair> pairs_; // of morphs, by object
     std::map<std::size_t, Placed> placed_;
     std::vector<std::pair<MoleculeKey, std::shared_ptr<const Molecule>>> molecules_;
+    std::map<std::string, PointData> points_; // by path
 };
 
 /// The look of the scene. Pictures that are not opaque have no background.

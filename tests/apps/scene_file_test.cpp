@@ -23,6 +23,7 @@ struct SceneFiles : testing::Test {
         write_text(folder / "a.vdb", "");
         write_text(folder / "a.obj", "");
         write_text(folder / "a.xyz", "");
+        write_text(folder / "a.csv", "");
         write_png({2, 1, {1, 1, 1, 1, 0, 0, 0, 1}}, folder / "map.png");
     }
     SceneFile read(const std::string& text) const {
@@ -53,6 +54,7 @@ std::string example_of(const SceneTable& table, const SceneKey& key) {
     if (key.name == "key" || key.name == "name") return "\"object.0.t\"";
     if (key.name == "mesh") return "\"mesh:knot\"";
     if (key.name == "field" || key.name == "volume") return "\"field:torus@8\"";
+    if (key.name == "points") return "\"a.csv\"";
     if (key.name == "molecule") return "\"a.xyz\"";
     if (key.type == "text") return "\"1\"";
     if (key.type.starts_with("file")) return "\"map.png\"";

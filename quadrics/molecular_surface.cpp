@@ -128,8 +128,8 @@ public:
     Descent(const Lattice& lattice, const UnionBoundary& boundary, const Levels& levels)
         : lattice_(lattice), boundary_(boundary), levels_(levels) {}
 
-    /// Calls found(node, its part of the boundary, its middle, radius of its samples) from all
-    /// threads for each node of a level that may hold samples of the band.
+    /// Calls found(node, its part of the boundary, the middle of its samples) from all threads for
+    /// each node of a level that may hold samples of the band.
     template<class Found>
     void run(int level, const Found& found) {
         const BoundaryPart all = whole(boundary_);
@@ -154,7 +154,7 @@ private:
         if (node.level == level || part.faces.size() < many) {
             if (!may_meet_band(part, middle, radius)) return;
         }
-        if (node.level == level) return found(node, part, middle, radius);
+        if (node.level == level) return found(node, part, middle);
         const auto visit_child = [&](int corner) {
             visit({2 * node.coordinate + Index3(corner & 1, corner >> 1 & 1, corner >> 2),
                    node.level - 1},
@@ -193,14 +193,32 @@ public:
     BlockFiller(const Levels& levels, double tolerance) : levels_(levels), tolerance_(tolerance) {}
 
     /// Returns whether there are samples in the band.
+    ///
+    /// part    of the boundary that the block's samples need
+    /// middle  of the block's samples
     bool fill(FieldBlock& block, const UnionBoundary& boundary, const BoundaryPart& part,
-              const Vec3d& middle, double radius, double voxel_size) {
-        local_.load(boundary, part);
-        const double half = (block_size - 1) / 2.0;
-        std::size_t i = 0;
-        for (int z = 0; z < block_size; ++z)
-            for (int y = 0; y < block_size; ++y)
-                for (int x = 0; x < block_size;) {
+              const Vec3d& middle, double voxel_size) {
+        // Pieces of 4^3 samples need less of the boundary than all of it.
+        for (int piece = 0; piece < 8; ++piece) {
+            const Index3 first = piece_size * Index3(piece & 1, piece >> 1 & 1, piece >> 2);
+            const Vec3d offset = first.cast<double>() - Vec3d::Constant(2);
+            fill_piece(block, first, boundary, part, middle + voxel_size * offset, voxel_size);
+        }
+        return block.active.any();
+    }
+
+private:
+    static constexpr int piece_size = 4;
+
+    void fill_piece(FieldBlock& block, const Index3& first, const UnionBoundary& boundary,
+                    const BoundaryPart& blocks_part, const Vec3d& middle, double voxel_size) {
+        const double half = (piece_size - 1) / 2.0;
+        const double radius = std::numbers::sqrt3 * half * voxel_size;
+        local_.load(boundary, near(boundary, blocks_part, middle, radius, levels_.outer(),
+                                   levels_.inner()));
+        for (int z = 0; z < piece_size; ++z)
+            for (int y = 0; y < piece_size; ++y)
+                for (int x = 0; x < piece_size;) {
                     const Vec3d offset = voxel_size * (Vec3d(x, y, z) - Vec3d::Constant(half));
                     // Balls that were not loaded are farther than this.
                     const double known = levels_.outer() + radius - offset.norm();
@@ -212,13 +230,14 @@ public:
                                                               : background;
                     // The next ones that are beyond the band, too.
                     const double more = std::ceil(value.beyond / voxel_size) - 1;
-                    const int end = x + 1 + static_cast<int>(std::clamp(more, 0.0, 7.0));
-                    for (; x < std::min(end, block_size); ++x, ++i) {
+                    const int end = x + 1 + static_cast<int>(std::clamp(more, 0.0, 3.0));
+                    auto i = static_cast<std::size_t>(first.x() + x + 8 * (first.y() + y) +
+                                                      64 * (first.z() + z));
+                    for (; x < std::min(end, piece_size); ++x, ++i) {
                         block.values[i] = stored;
                         block.active[i] = is_active;
                     }
                 }
-        return block.active.any();
     }
 
 private:
@@ -327,9 +346,9 @@ SparseField molecular_surface(std::span<const Sphere> atoms, const MolecularSurf
     std::atomic<std::size_t> next = 0, done = 0;
     tbb::enumerable_thread_specific<BlockFiller> fillers(levels, tolerance);
     descent.run(
-        0, [&](const Node& node, const BoundaryPart& part, const Vec3d& middle, double radius) {
+        0, [&](const Node& node, const BoundaryPart& part, const Vec3d& middle) {
             FieldBlock block;
-            if (fillers.local().fill(block, boundary, part, middle, radius, voxel_size)) {
+            if (fillers.local().fill(block, boundary, part, middle, voxel_size)) {
                 block.coordinate = node.coordinate + lattice.anchor / block_size;
                 std::construct_at(&blocks[next++], block);
             }

@@ -410,7 +410,8 @@ NearBoundary::Nearest NearBoundary::nearest(const Vec3d& p) {
             const double length = work_(i, 4);
             const Vec3d middle = arcs_.row(i).segment<3>(7).transpose();
             if (!(across.dot(middle) >= length * arcs_(i, 10))) continue;
-            const Vec3d direction = length > 0 ? Vec3d(across / length) : middle;
+            // On the axis all of the circle is as far; so near it, `across` is rounding.
+            const Vec3d direction = length > 1e-9 * arcs_(i, 6) ? Vec3d(across / length) : middle;
             best = {work_(i, 3),
                     arcs_.row(i).head<3>().transpose().matrix() + arcs_(i, 6) * direction, false};
         }

@@ -151,10 +151,11 @@ private:
         const BoundaryPart part =
             near(boundary_, parents, middle, radius, levels_.outer(), levels_.inner());
         if (!part.has_boundary()) return;
-        if (node.level == level || part.faces.size() < many) {
-            if (!may_meet_band(part, middle, radius)) return;
+        if (part.faces.size() < many && !may_meet_band(part, middle, radius)) return;
+        if (node.level == level) {
+            if (any_octant_may_meet_band(part, middle, half)) found(node, part, middle);
+            return;
         }
-        if (node.level == level) return found(node, part, middle);
         const auto visit_child = [&](int corner) {
             visit({2 * node.coordinate + Index3(corner & 1, corner >> 1 & 1, corner >> 2),
                    node.level - 1},
@@ -177,6 +178,15 @@ private:
         if (height >= 0) return levels_.probe + height <= limit;
         const double value = levels_.probe - local.nearest(middle).distance;
         return std::abs(value) <= limit;
+    }
+
+    bool any_octant_may_meet_band(const BoundaryPart& part, const Vec3d& middle, double half) {
+        for (int corner = 0; corner < 8; ++corner) {
+            const Vec3d side(2 * (corner & 1) - 1, (corner & 2) - 1, (corner >> 1 & 2) - 1);
+            if (may_meet_band(part, middle + half / 2 * side, std::numbers::sqrt3 / 2 * half))
+                return true;
+        }
+        return false;
     }
 
     static constexpr std::size_t many = 256; // faces of a node that is worth a task
@@ -214,8 +224,8 @@ private:
                     const BoundaryPart& blocks_part, const Vec3d& middle, double voxel_size) {
         const double half = (piece_size - 1) / 2.0;
         const double radius = std::numbers::sqrt3 * half * voxel_size;
-        local_.load(boundary, near(boundary, blocks_part, middle, radius, levels_.outer(),
-                                   levels_.inner()));
+        local_.load(boundary,
+                    near(boundary, blocks_part, middle, radius, levels_.outer(), levels_.inner()));
         for (int z = 0; z < piece_size; ++z)
             for (int y = 0; y < piece_size; ++y)
                 for (int x = 0; x < piece_size;) {
@@ -345,16 +355,15 @@ SparseField molecular_surface(std::span<const Sphere> atoms, const MolecularSurf
     FieldBlocks blocks(most);
     std::atomic<std::size_t> next = 0, done = 0;
     tbb::enumerable_thread_specific<BlockFiller> fillers(levels, tolerance);
-    descent.run(
-        0, [&](const Node& node, const BoundaryPart& part, const Vec3d& middle) {
-            FieldBlock block;
-            if (fillers.local().fill(block, boundary, part, middle, voxel_size)) {
-                block.coordinate = node.coordinate + lattice.anchor / block_size;
-                std::construct_at(&blocks[next++], block);
-            }
-            if (const std::size_t number = ++done; progress && number % 64 == 0)
-                progress("distances", static_cast<double>(number) / static_cast<double>(most));
-        });
+    descent.run(0, [&](const Node& node, const BoundaryPart& part, const Vec3d& middle) {
+        FieldBlock block;
+        if (fillers.local().fill(block, boundary, part, middle, voxel_size)) {
+            block.coordinate = node.coordinate + lattice.anchor / block_size;
+            std::construct_at(&blocks[next++], block);
+        }
+        if (const std::size_t number = ++done; progress && number % 64 == 0)
+            progress("distances", static_cast<double>(number) / static_cast<double>(most));
+    });
     blocks.resize(next);
     return SparseField(lattice.space, levels.half_width, Outside::SignedBackground,
                        std::move(blocks));

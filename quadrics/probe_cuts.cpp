@@ -7,17 +7,16 @@
 
 namespace isocast {
 
-bool ProbeCuts::is_in_a_ball(const Vec3d& p) const {
+void ProbeCuts::propose(const Vec3d& p, std::size_t k, std::size_t l) {
     const double least = (radius_ - tolerance_) * (radius_ - tolerance_);
-    return std::ranges::any_of(
-        centres_, [&](const Vec3d& centre) { return (p - centre).squaredNorm() < least; });
-}
-
-void ProbeCuts::propose(const Vec3d& p) {
-    if (!is_in_a_ball(p)) candidates_.push_back({p, p.norm()});
+    // Of the last ball and of balls k and l it is on the spheres, whatever rounding says.
+    for (std::size_t i = 0; i + 1 < centres_.size(); ++i)
+        if (i != k && i != l && (p - centres_[i]).squaredNorm() < least) return;
+    candidates_.push_back({p, p.norm()});
 }
 
 void ProbeCuts::add(const Vec3d& centre) {
+    constexpr auto none = static_cast<std::size_t>(-1);
     const double squared_radius = radius_ * radius_;
     centres_.push_back(centre);
     std::erase_if(candidates_, [&](const Candidate& candidate) {
@@ -26,7 +25,8 @@ void ProbeCuts::add(const Vec3d& centre) {
     // On its sphere; from the middle all of it is as far.
     const double length = centre.norm();
     if (length < radius_)
-        propose(length > 0 ? Vec3d(centre * (1 - radius_ / length)) : Vec3d(radius_, 0, 0));
+        propose(length > 0 ? Vec3d(centre * (1 - radius_ / length)) : Vec3d(radius_, 0, 0), none,
+                none);
     for (std::size_t k = 0; k + 1 < centres_.size(); ++k) {
         // On the circle with another one.
         const Vec3d half = (centres_[k] - centre) / 2;
@@ -35,9 +35,12 @@ void ProbeCuts::add(const Vec3d& centre) {
         const Vec3d axis = half.normalized();
         const Vec3d middle = centre + half;
         const Vec3d across = middle.dot(axis) * axis - middle;
-        const double width = across.norm();
-        const Vec3d direction = width > 0 ? Vec3d(across / width) : axis.unitOrthogonal();
-        propose(middle + std::sqrt(squared_circle) * direction);
+        // On the axis all of the circle is as far; so near it, rounding is all there is of
+        // `across`.
+        const Vec3d direction = across.norm() > 1e-9 * radius_
+                                    ? Vec3d((across - across.dot(axis) * axis).normalized())
+                                    : axis.unitOrthogonal();
+        propose(middle + std::sqrt(squared_circle) * direction, k, none);
         // The two points with a third: at one distance from all three, above the circumcentre.
         for (std::size_t l = 0; l < k; ++l) {
             const Vec3d b = centres_[k] - centre, c = centres_[l] - centre;
@@ -49,8 +52,8 @@ void ProbeCuts::add(const Vec3d& centre) {
             const double squared_height = squared_radius - to_circumcentre.squaredNorm();
             if (!(squared_height > 0)) continue;
             const Vec3d up = normal * std::sqrt(squared_height / squared_normal);
-            propose(centre + to_circumcentre + up);
-            propose(centre + to_circumcentre - up);
+            propose(centre + to_circumcentre + up, k, l);
+            propose(centre + to_circumcentre - up, k, l);
         }
     }
 }

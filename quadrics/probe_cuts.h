@@ -30,8 +30,8 @@ public:
     Candidate nearest() const;
 
 private:
-    bool is_in_a_ball(const Vec3d& p) const;
-    void propose(const Vec3d& p);
+    /// Keeps `p`, on the spheres of the last ball and of balls `k` and `l`, if it is in no other.
+    void propose(const Vec3d& p, std::size_t k, std::size_t l);
 
     double radius_, tolerance_;
     std::vector<Vec3d> centres_;

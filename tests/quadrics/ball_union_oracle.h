@@ -61,7 +61,7 @@ public:
                 const Vec3d middle = a + along * axis;
                 const Vec3d q = p - middle - (p - middle).dot(axis) * axis;
                 propose(middle +
-                        circle * (q.norm() > 0 ? Vec3d(q.normalized()) : axis.unitOrthogonal()));
+                        circle * (q.norm() > 1e-9 ? Vec3d(q.normalized()) : axis.unitOrthogonal()));
                 for (std::size_t k = 0; k < j; ++k) {
                     // On the circle, y = middle + circle (cos t u + sin t v): |y - c|^2 = rc^2.
                     const Vec3d& c = near[k]->centre_world;
@@ -70,7 +70,7 @@ public:
                     const double rest =
                         (rc * rc - m.squaredNorm() - circle * circle) / (2 * circle);
                     const double x = m.dot(u), y = m.dot(v), length = std::hypot(x, y);
-                    if (!(std::abs(rest) <= length)) continue;
+                    if (length == 0 || !(std::abs(rest) <= length)) continue;
                     const double t = std::atan2(y, x), half = std::acos(rest / length);
                     for (const double angle : {t - half, t + half})
                         propose(middle + circle * (std::cos(angle) * u + std::sin(angle) * v));
@@ -96,11 +96,12 @@ struct Bounds {
     double lower, upper;
 };
 
-/// Of the distance from `p` to the points at least `probe` deep in `grown`, up to `most`: branch
-/// and bound over cubes, by the depth alone. They are closer than `tolerance` unless such points
-/// are thinner than a tenth of that.
-inline Bounds distance_to_excluded_solid(const NaiveUnion& grown, double probe, const Vec3d& p,
-                                         double most, double tolerance) {
+/// Of the distance from `p` to the excluded surface, up to `most`: to the nearest point at least
+/// `probe` deep in `grown`, or from such a point to the nearest that is less deep; by branch and
+/// bound over cubes. They are closer than `tolerance` unless what is searched is thinner than a
+/// tenth of that.
+inline Bounds distance_to_excluded_surface(const NaiveUnion& grown, double probe, const Vec3d& p,
+                                           double most, double tolerance) {
     struct Cube {
         Vec3d middle;
         double half;
@@ -110,14 +111,18 @@ inline Bounds distance_to_excluded_solid(const NaiveUnion& grown, double probe, 
     std::priority_queue<Cube> cubes;
     cubes.push({p, most, 0});
     double upper = most;
+    const auto deeper = [&](const Vec3d& q) {
+        return -grown.distance(q, 2 * probe + most) - probe;
+    };
+    const double sought = deeper(p) < 0 ? 1 : -1;
     while (!cubes.empty()) {
         const Cube cube = cubes.top();
         cubes.pop();
         if (cube.least >= upper - tolerance) return {std::min(cube.least, upper), upper};
-        const double depth = -grown.distance(cube.middle, 2 * probe);
+        const double by = sought * deeper(cube.middle);
         const double radius = std::sqrt(3.0) * cube.half;
-        if (depth >= probe) upper = std::min(upper, (cube.middle - p).norm());
-        if (depth + radius < probe) continue; // depth changes by no more than the way
+        if (by >= 0) upper = std::min(upper, (cube.middle - p).norm());
+        if (by + radius < 0) continue; // depth changes by no more than the way
         if (radius < tolerance / 10) return {cube.least, upper};
         for (int corner = 0; corner < 8; ++corner) {
             const double half = cube.half / 2;

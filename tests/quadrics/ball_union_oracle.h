@@ -99,7 +99,7 @@ struct Bounds {
 /// Of the distance from `p` to the excluded surface, up to `most`: to the nearest point at least
 /// `probe` deep in `grown`, or from such a point to the nearest that is less deep; by branch and
 /// bound over cubes. They are closer than `tolerance` unless what is searched is thinner than a
-/// tenth of that.
+/// tenth of that, or 5,000 cubes do not find it.
 inline Bounds distance_to_excluded_surface(const NaiveUnion& grown, double probe, const Vec3d& p,
                                            double most, double tolerance) {
     struct Cube {
@@ -115,7 +115,7 @@ inline Bounds distance_to_excluded_surface(const NaiveUnion& grown, double probe
         return -grown.distance(q, 2 * probe + most) - probe;
     };
     const double sought = deeper(p) < 0 ? 1 : -1;
-    while (!cubes.empty()) {
+    for (int count = 0; !cubes.empty(); ++count) {
         const Cube cube = cubes.top();
         cubes.pop();
         if (cube.least >= upper - tolerance) return {std::min(cube.least, upper), upper};
@@ -123,7 +123,7 @@ inline Bounds distance_to_excluded_surface(const NaiveUnion& grown, double probe
         const double radius = std::sqrt(3.0) * cube.half;
         if (by >= 0) upper = std::min(upper, (cube.middle - p).norm());
         if (by + radius < 0) continue; // depth changes by no more than the way
-        if (radius < tolerance / 10) return {cube.least, upper};
+        if (radius < tolerance / 10 || count == 5'000) return {cube.least, upper};
         for (int corner = 0; corner < 8; ++corner) {
             const double half = cube.half / 2;
             const Vec3d middle = cube.middle + half * Vec3d(2 * (corner & 1) - 1, (corner & 2) - 1,

@@ -18,6 +18,7 @@
 #include <filesystem>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <string>
 
@@ -98,17 +99,18 @@ void expect_is(const std::vector<Sphere>& atoms, const MolecularSurfaceOptions& 
                                 << " is expected";
 }
 
-/// How many samples beyond a cusp of the excluded surface were compared.
-struct CuspCount {
+/// Which samples beyond cusps of the excluded surface are compared, and how many were.
+struct CuspCheck {
+    double fraction = 0.5;
     int compared = 0;
-    int loose = 0; // of these, where the bounds are 0.05 apart: the solid is too thin to be found
+    int loose = 0; // of these, where the bounds are 0.05 apart: the solid is too thin there
 };
 
 /// Expects `fraction` of all samples around the atoms to be what brute force says; those beyond
-/// cusps to be no less than the distance to the nearest probe's sphere, and, half of them, to be
+/// cusps to be no less than the distance to the nearest probe's sphere, and some of them to be
 /// between the bounds of branch and bound.
 void expect_brute_force(const std::vector<Sphere>& atoms, const MolecularSurfaceOptions& options,
-                        CuspCount* cusps = nullptr, double fraction = 1) {
+                        CuspCheck* cusps = nullptr, double fraction = 1) {
     const NaiveUnion grown(atoms, growth_of(options));
     const double half_width = half_width_of(options);
     const double p = options.kind == MolecularSurface::Excluded ? options.probe_radius_world : 0;
@@ -127,7 +129,7 @@ void expect_brute_force(const std::vector<Sphere>& atoms, const MolecularSurface
                 // change the distance by as little.
                 if (-grown.distance(y, 2 * p) < p - 1e-7) {
                     ASSERT_GE(value, std::min(expected, half_width) - float_rounding);
-                    if (cusps == nullptr || random.uniform(0, 1) > 0.5) continue;
+                    if (cusps == nullptr || random.uniform(0, 1) > cusps->fraction) continue;
                     ++cusps->compared;
                     constexpr double tolerance = 2e-3;
                     const Bounds bounds =
@@ -148,7 +150,7 @@ constexpr std::array all_kinds = {MolecularSurface::VanDerWaals, MolecularSurfac
                                   MolecularSurface::Excluded};
 
 void expect_brute_force_in_all_kinds(const std::vector<Sphere>& atoms, double voxel_size = 0.4,
-                                     CuspCount* cusps = nullptr, double fraction = 1) {
+                                     CuspCheck* cusps = nullptr, double fraction = 1) {
     for (const auto kind : all_kinds)
         expect_brute_force(atoms, {.kind = kind, .voxel_size_world = voxel_size}, cusps, fraction);
 }
@@ -259,17 +261,17 @@ TEST(MolecularSurface, TwoProbesInTheHoleOfThreeAtomsMeetInACircle) {
     const SparseField field = molecular_surface(atoms, {});
     EXPECT_NEAR(sample(field, {0, 0, 0}), std::sqrt(probe * probe - height * height),
                 float_rounding);
-    CuspCount cusps;
+    CuspCheck cusps;
     expect_brute_force(atoms, {.voxel_size_world = 0.25, .half_width_voxels = 6}, &cusps);
     EXPECT_GT(cusps.compared, 10);
-    EXPECT_EQ(cusps.loose, 0);
+    EXPECT_LT(cusps.loose, cusps.compared / 5);
 }
 
 // ------------------------------------------------------------------------------- brute force
 
 TEST(MolecularSurface, RandomMoleculesAreAsBruteForceSays) {
     Random random(1);
-    CuspCount cusps;
+    CuspCheck cusps;
     for (int n = 0; n < 36; ++n) {
         const double half = 1.5 + 0.25 * (n % 12); // dense ones and loose ones
         expect_brute_force_in_all_kinds(random_molecule(random, 2 + n % 7, half), 0.4, &cusps);
@@ -310,7 +312,7 @@ TEST(MolecularSurface, ExcludedIsADistanceByBranchAndBound) {
         const MolecularSurfaceOptions options;
         for_each_sample(molecular_surface(atoms, options), [&](const Vec3d& p, double value,
                                                                bool is_active) {
-            if (!is_active || random.uniform(0, 1) > 0.02) return;
+            if (!is_active || random.uniform(0, 1) > 0.01) return;
             ++(value < 0 ? inside : outside);
             constexpr double tolerance = 2e-3;
             const Bounds bounds =
@@ -319,8 +321,8 @@ TEST(MolecularSurface, ExcludedIsADistanceByBranchAndBound) {
             ASSERT_LE(std::abs(value), bounds.upper + float_rounding);
         });
     }
-    EXPECT_GT(inside, 50);
-    EXPECT_GT(outside, 50);
+    EXPECT_GT(inside, 30);
+    EXPECT_GT(outside, 30);
 }
 
 TEST(ProbeCuts, TheNearestPointOutsideIsBruteForces) {
@@ -345,6 +347,28 @@ TEST(ProbeCuts, TheNearestPointOutsideIsBruteForces) {
 }
 
 // --------------------------------------------------------------------------------- invariants
+
+/// From each sample to the next along each axis, beyond the band and across blocks, too.
+void expect_changes_by_no_more_than_the_way(const SparseField& field) {
+    const IndexBox box = dilated(field.extent(), 1, 1);
+    std::vector<float> values(std::size_t(box.sample_count()));
+    field.copy_box(box, 0, values);
+    const Index3 n = box.size();
+    const std::array<std::size_t, 3> strides = {1, std::size_t(n.x()),
+                                                std::size_t(n.x()) * std::size_t(n.y())};
+    double greatest = 0;
+    std::size_t i = 0;
+    for (int z = 0; z < n.z(); ++z)
+        for (int y = 0; y < n.y(); ++y)
+            for (int x = 0; x < n.x(); ++x, ++i) {
+                const std::array<bool, 3> has_next = {x + 1 < n.x(), y + 1 < n.y(), z + 1 < n.z()};
+                for (std::size_t k = 0; k < 3; ++k)
+                    if (has_next[k])
+                        greatest = std::max(
+                            greatest, std::abs(double(values[i + strides[k]]) - double(values[i])));
+            }
+    EXPECT_LE(greatest, field.space().voxel_size_world() + float_rounding);
+}
 
 TEST(MolecularSurface, ExcludedLiesBetweenVanDerWaalsAndAccessible) {
     Random random(4);
@@ -372,27 +396,9 @@ TEST(MolecularSurface, ExcludedLiesBetweenVanDerWaalsAndAccessible) {
 
 TEST(MolecularSurface, ChangesByNoMoreThanTheWay) {
     Random random(5);
-    for (const auto kind : all_kinds) {
-        const std::vector<Sphere> atoms = random_molecule(random, 60, 7);
-        const MolecularSurfaceOptions options{.kind = kind, .voxel_size_world = 0.25};
-        const SparseField field = molecular_surface(atoms, options);
-        std::vector<float> values(std::size_t(dilated(field.extent(), 1, 1).sample_count()));
-        const IndexBox box = dilated(field.extent(), 1, 1);
-        field.copy_box(box, 0, values);
-        const Index3 n = box.size();
-        const std::array<std::int64_t, 3> strides = {1, n.x(), std::int64_t{n.x()} * n.y()};
-        std::int64_t i = 0;
-        for (int z = 0; z < n.z(); ++z)
-            for (int y = 0; y < n.y(); ++y)
-                for (int x = 0; x < n.x(); ++x, ++i)
-                    for (std::size_t k = 0; k < 3; ++k) {
-                        const int at[3] = {x, y, z};
-                        if (at[k] + 1 == n[Eigen::Index(k)]) continue;
-                        const double step = double(values[std::size_t(i + strides[k])]) -
-                                            double(values[std::size_t(i)]);
-                        ASSERT_LE(std::abs(step), 0.25 + float_rounding);
-                    }
-    }
+    for (const auto kind : all_kinds)
+        expect_changes_by_no_more_than_the_way(molecular_surface(
+            random_molecule(random, 60, 7), {.kind = kind, .voxel_size_world = 0.25}));
 }
 
 TEST(MolecularSurface, APointAsProbeLeavesVanDerWaals) {
@@ -405,16 +411,15 @@ TEST(MolecularSurface, APointAsProbeLeavesVanDerWaals) {
         for (std::size_t b = 0; b < field.blocks().size(); ++b)
             EXPECT_EQ(field.blocks()[b].values, spheres.blocks()[b].values);
     }
-    // The excluded surface comes near it with the probe's radius: no point between two atoms is
-    // farther from them than the probe's diameter where it does not pass.
+    // With a small probe it is near: where spheres of radius r touch, the probe comes to
+    // sqrt(2 r p) from the point, 0.063 for r = 2, and no less near elsewhere.
     const double small = 1e-3;
     const SparseField field = molecular_surface(atoms, {.probe_radius_world = small});
     const auto samples = all_samples(spheres, atoms, {});
     const auto others = all_samples(field, atoms, {});
     for (std::size_t i = 0; i < samples.size(); ++i) {
-        // Outside and above no arc the same, inside no more than the probe's way to a vertex.
         ASSERT_LE(others[i].second, samples[i].second + float_rounding);
-        ASSERT_GE(others[i].second, samples[i].second - 0.1);
+        ASSERT_GE(others[i].second, samples[i].second - 0.063 - small);
     }
 }
 
@@ -479,7 +484,7 @@ TEST(MolecularSurface, BlocksHoldTheBandAndNothingElse) {
 class Degenerate : public ::testing::TestWithParam<std::pair<const char*, std::vector<Sphere>>> {};
 
 TEST_P(Degenerate, IsAsBruteForceSays) {
-    CuspCount cusps;
+    CuspCheck cusps{.fraction = 0.1};
     expect_brute_force_in_all_kinds(GetParam().second, 0.5, &cusps);
 }
 
@@ -658,24 +663,22 @@ TEST(MolecularSurface, AProteinIsAsBruteForceSays) {
     const std::vector<Sphere> atoms = atoms_of(path);
     for (const auto kind : all_kinds) expect_brute_force(atoms, {.kind = kind}, nullptr, 0.003);
 }
-class ArchiveSurface : public ::testing::TestWithParam<const char*> {};
-
-TEST_P(ArchiveSurface, TakesSeconds) {
-    const auto path = std::filesystem::path(ISOCAST_SHARED_DATA) / GetParam();
-    if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
+TEST(MolecularSurface, OfAToxinLiesBetweenTheOthersAndChangesByNoMoreThanTheWay) {
+    const auto path = std::filesystem::path(ISOCAST_SHARED_DATA) / "1tii.pdb";
+    if (!std::filesystem::exists(path)) GTEST_SKIP() << "1tii.pdb is not there";
     const std::vector<Sphere> atoms = atoms_of(path);
-    for (const auto kind : all_kinds) {
-        const auto start = std::chrono::steady_clock::now();
-        const SparseField field = molecular_surface(atoms, {.kind = kind});
-        const double seconds =
-            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        std::printf("%s kind %d: %zu atoms, %zu blocks, %.0f active, %.3f s\n", GetParam(),
-                    int(kind), atoms.size(), field.blocks().size(),
-                    double(field.active_voxel_count()), seconds);
+    std::array<std::unique_ptr<SparseField>, 3> fields;
+    for (std::size_t k = 0; k < 3; ++k) {
+        fields[k] = std::make_unique<SparseField>(molecular_surface(atoms, {.kind = all_kinds[k]}));
+        expect_changes_by_no_more_than_the_way(*fields[k]);
     }
+    for_each_sample(*fields[2], [&, i = 0](const Vec3d& p, double value, bool) mutable {
+        if (i++ % 7 != 0) return; // each sample() is a search
+        const Index3 at = (p * 2).array().round().cast<int>();
+        ASSERT_LE(sample(*fields[1], at), value + float_rounding);
+        ASSERT_GE(sample(*fields[0], at), value - float_rounding);
+    });
 }
-INSTANTIATE_TEST_SUITE_P(Files, ArchiveSurface,
-                         ::testing::Values("1l2y.pdb", "1tii.pdb", "1xnr.cif"));
 
 } // namespace
 } // namespace isocast

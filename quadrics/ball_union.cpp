@@ -19,7 +19,7 @@ constexpr double whole_turn = 2 * std::numbers::pi;
 /// Finds the balls that can meet one: a grid whose cells are as large as the largest ball.
 class BallGrid {
 public:
-    BallGrid(std::span<const Ball> balls) : balls_(balls) {
+    explicit BallGrid(std::span<const Ball> balls) : balls_(balls) {
         Eigen::AlignedBox3d box;
         double largest = 0;
         for (const Ball& ball : balls) {

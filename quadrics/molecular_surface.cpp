@@ -265,8 +265,9 @@ private:
         if (-height > levels_.inner()) return {levels_.probe + height, -height - levels_.inner()};
         const NearBoundary::Nearest nearest = local_.nearest(p);
         const double distance = levels_.probe - nearest.distance;
-        const bool may_have_cusps = distance > 0 && distance <= levels_.half_width &&
-                                    nearest.distance > -height && levels_.probe > 0;
+        // Only arcs and their ends have cusps beyond; see the header.
+        const bool may_have_cusps =
+            distance > 0 && distance <= levels_.half_width && !nearest.is_on_face;
         return {may_have_cusps ? distance_to_excluded(p, nearest.point) : distance, 0};
     }
 
@@ -311,11 +312,14 @@ int counting_level(const Lattice& lattice) {
 /// How many blocks may hold samples of the band.
 /// throws  ResourceError if they would take too much memory
 std::size_t count_blocks(const Lattice& lattice, const Levels& levels, Descent& descent,
-                         double memory_bytes) {
+                         double memory_bytes, const Progress& progress) {
     const double most = memory_bytes / sizeof(FieldBlock);
     const int level = counting_level(lattice);
     std::atomic<std::size_t> count = 0;
-    descent.run(level, [&](auto&&...) { ++count; });
+    const auto tell = [&](std::size_t number) { // how many there are to be, nobody knows yet
+        if (progress && number % 4096 == 0) progress("blocks", 0);
+    };
+    descent.run(level, [&](auto&&...) { tell(++count); });
     // A sheet of thickness 2 (half width + radius) over an area, in cubes.
     const auto per_area = [&](int of_level) {
         const double edge = std::ldexp(block_size * lattice.voxel_size, of_level);
@@ -327,8 +331,10 @@ std::size_t count_blocks(const Lattice& lattice, const Levels& levels, Descent& 
     if (level == 0) return count;
     count = 0;
     descent.run(0, [&](auto&&...) {
-        if (static_cast<double>(++count) > most)
+        const std::size_t number = ++count;
+        if (static_cast<double>(number) > most)
             refuse_memory(std::max(estimate, most), memory_bytes);
+        tell(number);
     });
     return count;
 }
@@ -351,7 +357,7 @@ SparseField molecular_surface(std::span<const Sphere> atoms, const MolecularSurf
 
     if (progress) progress("blocks", 0);
     Descent descent(lattice, boundary, levels);
-    const std::size_t most = count_blocks(lattice, levels, descent, memory_bytes);
+    const std::size_t most = count_blocks(lattice, levels, descent, memory_bytes, progress);
     FieldBlocks blocks(most);
     std::atomic<std::size_t> next = 0, done = 0;
     tbb::enumerable_thread_specific<BlockFiller> fillers(levels, tolerance);

@@ -151,10 +151,14 @@ private:
         const BoundaryPart part =
             near(boundary_, parents, middle, radius, levels_.outer(), levels_.inner());
         if (!part.has_boundary()) return;
-        if (part.faces.size() < many && !may_meet_band(part, middle, radius)) return;
-        if (node.level == level) {
-            if (any_octant_may_meet_band(part, middle, half)) found(node, part, middle);
-            return;
+        if (part.faces.size() < many || node.level == level) {
+            NearBoundary& local = memory_.local();
+            local.load(boundary_, part);
+            if (!may_meet_band(local, middle, radius)) return;
+            if (node.level == level) {
+                if (any_octant_may_meet_band(local, middle, half)) found(node, part, middle);
+                return;
+            }
         }
         const auto visit_child = [&](int corner) {
             visit({2 * node.coordinate + Index3(corner & 1, corner >> 1 & 1, corner >> 2),
@@ -170,9 +174,7 @@ private:
 
     /// What p + dist(x, U) and p - dist(x, A) say at the middle: neither changes by more than the
     /// radius up to any sample, and the distance to the surface is no less.
-    bool may_meet_band(const BoundaryPart& part, const Vec3d& middle, double radius) {
-        NearBoundary& local = memory_.local();
-        local.load(boundary_, part);
+    bool may_meet_band(NearBoundary& local, const Vec3d& middle, double radius) const {
         const double height = local.height(middle);
         const double limit = levels_.half_width + radius;
         if (height >= 0) return levels_.probe + height <= limit;
@@ -180,10 +182,10 @@ private:
         return std::abs(value) <= limit;
     }
 
-    bool any_octant_may_meet_band(const BoundaryPart& part, const Vec3d& middle, double half) {
+    bool any_octant_may_meet_band(NearBoundary& local, const Vec3d& middle, double half) const {
         for (int corner = 0; corner < 8; ++corner) {
             const Vec3d side(2 * (corner & 1) - 1, (corner & 2) - 1, (corner >> 1 & 2) - 1);
-            if (may_meet_band(part, middle + half / 2 * side, std::numbers::sqrt3 / 2 * half))
+            if (may_meet_band(local, middle + half / 2 * side, std::numbers::sqrt3 / 2 * half))
                 return true;
         }
         return false;

@@ -37,21 +37,21 @@ struct MolecularSurfaceOptions {
 /// balls of radius r + p. The accessible surface is A's boundary, and the solid that the excluded
 /// surface bounds is E = { x : dist(x, A) >= p }.
 ///
-///   within E           dist(x, A) - p is the distance: E's complement is A grown by p
-///   in A               p + dist(x, U) is: from the nearest ball's sphere, p further to its centre
-///                      is a point of E
-///   between, x at      p - dist(x, A) is, if the probe about the nearest a of A touches E beyond
-///   x: dist(x, A) < p     if y = a + p (x - a)/|x - a| is in E, as it always is where a is within
-///                      a face of the accessible surface. Else two probes or more meet near x in a
-///                      cusp, the distance is greater, and the cusp is found (ProbeCuts)
+/// - Within E, dist(x, A) - p is the distance: E's complement is A grown by p.
+/// - In A, p + dist(x, U) is: from the nearest ball's sphere, p further to its centre is a point of
+///   E.
+/// - Between, where 0 < dist(x, A) < p, p - dist(x, A) is, if y = a + p (x - a)/|x - a| is in E,
+///   with the nearest a of A. So it always is where a is within a face of the accessible surface.
+///   Else two probes or more meet near x in a cusp and the distance is greater: the cusp is found
+///   (ProbeCuts).
 ///
 /// returns   blocks that hold the whole band, and only blocks that hold a part of it
 /// accuracy  exact distances in double, rounded once to float, for radii that differ from those
 ///           given by up to 2^-42 of the molecule's extent: by so little may spheres miss a common
 ///           point. Outside by cusps: a lower bound, where the nearest point is at most 1e-8 probe
 ///           radii within a probe
-/// source    Lee & Richards 1971 for the accessible surface, Connolly 1983 for the excluded one;
-///           the distance is our own derivation, above
+/// source    the distances are our own derivation, above; the surfaces are known by Lee & Richards
+///           (accessible) and Connolly (excluded)
 /// throws    InputError for no atoms, spheres that check() refuses and unusable options,
 ///           ResourceError if the blocks would not fit in memory
 SparseField molecular_surface(std::span<const Sphere> atoms,

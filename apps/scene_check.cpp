@@ -71,6 +71,8 @@ void check_object(const SceneFile& scene, std::size_t i, Problems& problems) {
         problems.add(key_of(i, "morph"), "two objects are needed");
     if (object.resolution && object.mesh.empty())
         problems.add(key_of(i, "resolution"), "only meshes are converted");
+    if (object.surface && object.molecule.empty())
+        problems.add(key_of(i, "surface"), "only molecules have such surfaces");
     if (object.time && object.series.empty())
         problems.add(key_of(i, "time"), "only a series has times");
     for (const auto& [key, is_there] : {std::pair{"iso", object.iso_world.has_value()},

@@ -4,6 +4,7 @@
 
 #include "apps/camera_spec.h"
 #include "apps/exr_layers.h"
+#include "quadrics/molecular_surface.h"
 #include "quadrics/molecule_styles.h"
 #include "quadrics/point_data.h"
 #include "raycaster/scene.h"
@@ -30,11 +31,14 @@ struct SceneObject {
     std::string series;         // a file name with a place for a number, as field_series has it
     std::optional<double> time; // of the series; else that of its first file
 
-    std::string molecule;       // file
-    MoleculeOptions atoms;      // of it
-    MoleculeLook molecule_look; // of it
-    std::string points;         // file of points with attributes
-    PointLook point_look;       // of them
+    std::string molecule;                    // file
+    MoleculeOptions atoms;                   // of it
+    MoleculeLook molecule_look;              // of it
+    std::optional<MolecularSurface> surface; // instead of its atoms, as a field
+    double probe_radius_angstrom = 1.4;      // of the surface
+    double voxel_angstrom = 0.5;             // of the surface
+    std::string points;                      // file of points with attributes
+    PointLook point_look;                    // of them
 
     std::optional<int> resolution; // of meshes
     double band_voxels = 3;        // of meshes, half width
@@ -132,7 +136,7 @@ std::optional<std::size_t> object_named(const SceneFile& scene, const std::strin
 
 /// Whether it is drawn as primitives, not as a field.
 inline bool is_of_primitives(const SceneObject& object) {
-    return !object.molecule.empty() || !object.points.empty();
+    return (!object.molecule.empty() && !object.surface) || !object.points.empty();
 }
 
 /// Names of what an object is made of; none for a field, a mesh or a series.

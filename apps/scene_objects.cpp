@@ -70,7 +70,8 @@ std::vector<std::string> inputs_of(const SceneObject& object) {
         if (next.fraction == 0) return {next.before.path};
         return {next.before.path, next.after.path};
     }
-    if (object.csg || !object.morph.empty() || is_of_primitives(object)) return {};
+    if (object.csg || !object.morph.empty() || !object.molecule.empty() || !object.points.empty())
+        return {};
     return {object.mesh.empty() ? object.field : object.mesh};
 }
 
@@ -147,6 +148,11 @@ void SceneObjects::open(const SceneFile& scene) {
     points_ = std::move(points);
 }
 
+std::shared_ptr<const Molecule> SceneObjects::molecule_of(const SceneObject& object) const {
+    const MoleculeKey key{object.molecule, object.atoms};
+    return std::ranges::find(molecules_, key, [](const auto& m) { return m.first; })->second;
+}
+
 /// Fields of a frame's objects.
 class SceneObjects::Making {
 public:
@@ -156,7 +162,8 @@ public:
 
     Surface surface_of(std::size_t i) {
         const SceneObject& object = scene_.objects[i];
-        Surface surface = !object.morph.empty()    ? morph_of(i)
+        Surface surface = object.surface           ? molecular_surface_of(i)
+                          : !object.morph.empty()  ? morph_of(i)
                           : !object.series.empty() ? series_of(i)
                                                    : source_of(i, inputs_of(object).front());
         surface.iso_world = object.iso_world.value_or(surface.iso_world);
@@ -186,6 +193,26 @@ private:
         }
         return {checked(i, morph(fields[0], fields[1], object.t)),
                 blended_iso(a.iso_world, b.iso_world, object.t)};
+    }
+
+    Surface molecular_surface_of(std::size_t i) {
+        const SceneObject& object = scene_.objects[i];
+        const std::shared_ptr<const Molecule> molecule = kept_.molecule_of(object);
+        MadeSurface& made = kept_.surfaces_[i];
+        const MolecularSurfaceOptions options{
+            .kind = *object.surface,
+            .probe_radius_world = object.probe_radius_angstrom,
+            .voxel_size_world = object.voxel_angstrom,
+            .half_width_voxels = object.band_voxels,
+            .memory_bytes = scene_.memory_bytes.value_or(MolecularSurfaceOptions{}.memory_bytes)};
+        if (made.molecule != molecule || made.options != options) {
+            const MoleculePrimitives atoms =
+                primitives_of(*molecule, {.style = MoleculeStyle::SpaceFilling});
+            made = {molecule, options,
+                    std::make_shared<SparseField>(
+                        molecular_surface(atoms.spheres, options, progress_))};
+        }
+        return {made.field, 0};
     }
 
     Surface series_of(std::size_t i) {
@@ -285,12 +312,11 @@ Scene SceneObjects::compose(const SceneFile& scene, const Progress& progress,
                                scene.derivative_filter, part.colour, part.cut_colour});
     }
     auto primitives = std::make_shared<Primitives>();
-    auto molecule = molecules_.begin(); // in the order of the objects
     for (std::size_t i = 0; i < scene.objects.size(); ++i) {
         const SceneObject& object = scene.objects[i];
-        if (!object.molecule.empty()) {
+        if (!object.molecule.empty() && !object.surface) {
             const MoleculePrimitives drawn =
-                primitives_of(*molecule++->second, object.molecule_look);
+                primitives_of(*molecule_of(object), object.molecule_look);
             append(drawn.spheres, object.placement, *primitives);
             append(drawn.sticks, object.placement, *primitives);
         }

@@ -88,6 +88,7 @@ private:
         MoleculeOptions atoms;
         bool operator==(const MoleculeKey&) const = default;
     };
+    std::shared_ptr<const Molecule> molecule_of(const SceneObject& object) const;
     class Making; // of one frame
 
     static SourceKey key_of(const SceneObject& object, const std::string& input);
@@ -97,6 +98,12 @@ private:
     std::map<std::size_t, Placed> placed_;
     std::vector<std::pair<MoleculeKey, std::shared_ptr<const Molecule>>> molecules_;
     std::map<std::string, PointData> points_; // by path
+    struct MadeSurface {
+        std::shared_ptr<const Molecule> molecule;
+        MolecularSurfaceOptions options;
+        std::shared_ptr<const FieldSource> field;
+    };
+    std::map<std::size_t, MadeSurface> surfaces_; // of molecules, by object
 };
 
 /// The look of the scene. Pictures that are not opaque have no background.

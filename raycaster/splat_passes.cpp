@@ -90,10 +90,6 @@ float owner_number(const FrameContext& frame) {
     return static_cast<float>(frame.seen.objects.size() + 1);
 }
 
-} // namespace
-
-namespace {
-
 /// Into the bound framebuffer.
 ///
 /// prepare  (program, those of its kind): sets what else it needs

@@ -1,4 +1,4 @@
-// Other renderers of spheres and sticks, timed from the same camera as ours.
+// Other renderers of spheres, timed from the same camera as ours.
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
@@ -14,13 +14,7 @@ struct SpheresPeerScene {
         std::array<double, 3> centre;
         std::array<double, 4> rest; // radius and linear colour
     };
-    struct PeerStick {
-        std::array<double, 3> a;
-        std::array<double, 3> b;
-        std::array<double, 4> rest;
-    };
     std::vector<PeerSphere> spheres;
-    std::vector<PeerStick> sticks;
     std::array<double, 3> eye;
     std::array<double, 3> target;
     std::array<double, 3> up;
@@ -35,7 +29,7 @@ struct SpheresFrame {
     std::string note; // the GL's renderer, or why there is no frame
 };
 
-/// VTK's sphere and stick mappers with lighting, drawn and read back; a child process under Xvfb.
+/// VTK's sphere mapper with lighting, drawn and read back; a child process under Xvfb.
 /// throws  ResourceError, with the words of the child process, if it fails
 SpheresFrame vtk_spheres_peer(const SpheresPeerScene& scene);
 

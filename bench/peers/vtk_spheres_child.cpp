@@ -1,15 +1,15 @@
-// VTK's sphere and stick mappers on one scene, a program of its own because it needs an X display.
+// VTK's sphere mapper on one scene, a program of its own because it needs an X display.
 //
 // vtk_spheres_child SCENE EYE(3) TARGET(3) UP(3) FOV WIDTH HEIGHT REPEATS
-// SCENE: a line for each, "S x y z radius r g b" or "C ax ay az bx by bz radius r g b"
+// SCENE: a line for each, "x y z radius r g b"
 // prints "vtk_child: SETUP_SECONDS FRAME_SECONDS RENDERER" as its last line.
 // SPDX-License-Identifier: MPL-2.0
 #include <vtkActor.h>
 #include <vtkCamera.h>
+#include <vtkCellArray.h>
 #include <vtkFloatArray.h>
 #include <vtkNew.h>
 #include <vtkOpenGLSphereMapper.h>
-#include <vtkOpenGLStickMapper.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
@@ -47,6 +47,9 @@ struct Points {
         colours->InsertNextTuple(bytes);
     }
     void finish() {
+        vtkNew<vtkCellArray> cells; // without, VTK draws nothing
+        for (vtkIdType i = 0; i < points->GetNumberOfPoints(); ++i) cells->InsertNextCell(1, &i);
+        data->SetVerts(cells);
         data->SetPoints(points);
         data->GetPointData()->SetScalars(colours);
     }
@@ -77,64 +80,28 @@ int main(int argc, char** argv) {
     Points spheres;
     vtkNew<vtkFloatArray> radii;
     radii->SetName("radii");
-    Points sticks;
-    vtkNew<vtkFloatArray> axes; // of their length
-    axes->SetName("axes");
-    axes->SetNumberOfComponents(3);
-    vtkNew<vtkFloatArray> sizes; // half the length and the radius
-    sizes->SetName("sizes");
-    sizes->SetNumberOfComponents(2);
     std::ifstream scene(argv[1]);
-    for (char kind = 0; scene >> kind;) {
-        std::array<double, 10> v{};
-        for (int i = 0; i < (kind == 'S' ? 7 : 10); ++i) scene >> v[static_cast<std::size_t>(i)];
-        if (kind == 'S') {
-            spheres.add(v.data(), &v[4]);
-            radii->InsertNextValue(float(v[3]));
-            continue;
-        }
-        double middle[3];
-        double axis[3];
-        double length = 0;
-        for (std::size_t i = 0; i < 3; ++i) {
-            middle[i] = (v[i] + v[3 + i]) / 2;
-            axis[i] = v[3 + i] - v[i];
-            length += axis[i] * axis[i];
-        }
-        length = std::sqrt(length);
-        for (double& a : axis) a /= length;
-        sticks.add(middle, &v[7]);
-        axes->InsertNextTuple(axis);
-        const double size[2] = {length, v[6]};
-        sizes->InsertNextTuple(size);
+    for (std::array<double, 7> v{}; scene >> v[0];) {
+        for (std::size_t i = 1; i < v.size(); ++i) scene >> v[i];
+        spheres.add(v.data(), &v[4]);
+        radii->InsertNextValue(float(v[3]));
     }
     spheres.finish();
     spheres.data->GetPointData()->AddArray(radii);
-    sticks.finish();
-    sticks.data->GetPointData()->AddArray(axes);
-    sticks.data->GetPointData()->AddArray(sizes);
 
     vtkNew<vtkRenderer> renderer;
     renderer->SetBackground(1, 1, 1);
     vtkNew<vtkOpenGLSphereMapper> sphere_mapper;
     sphere_mapper->SetInputData(spheres.data);
     sphere_mapper->SetScaleArray("radii");
-    vtkNew<vtkOpenGLStickMapper> stick_mapper;
-    stick_mapper->SetInputData(sticks.data);
-    stick_mapper->SetOrientationArray("axes");
-    stick_mapper->SetScaleArray("sizes");
     vtkNew<vtkActor> sphere_actor;
     sphere_actor->SetMapper(sphere_mapper);
-    vtkNew<vtkActor> stick_actor;
-    stick_actor->SetMapper(stick_mapper);
-    for (vtkActor* actor : {sphere_actor.Get(), stick_actor.Get()}) {
-        actor->GetProperty()->SetAmbient(0.2);
-        actor->GetProperty()->SetDiffuse(0.8);
-        actor->GetProperty()->SetSpecular(0.25);
-        actor->GetProperty()->SetSpecularPower(40);
-    }
+    vtkProperty* property = sphere_actor->GetProperty();
+    property->SetAmbient(0.2);
+    property->SetDiffuse(0.8);
+    property->SetSpecular(0.25);
+    property->SetSpecularPower(40);
     renderer->AddActor(sphere_actor);
-    if (sticks.points->GetNumberOfPoints() > 0) renderer->AddActor(stick_actor);
     vtkCamera* camera = renderer->GetActiveCamera();
     camera->SetPosition(&numbers[0]);
     camera->SetFocalPoint(&numbers[3]);

@@ -1,4 +1,4 @@
-// VTK's sphere and stick mappers, in a child process: see vtk_spheres_child.cpp.
+// VTK's sphere mapper, in a child process: see vtk_spheres_child.cpp.
 // SPDX-License-Identifier: MPL-2.0
 #include "peers/child.h"
 #include "peers/peer_frame.h"
@@ -20,11 +20,8 @@ SpheresFrame vtk_spheres_peer(const SpheresPeerScene& scene) {
     const ScratchFolder folder;
     {
         std::ofstream file(folder / "scene.txt");
-        for (const auto& s : scene.spheres)
-            fmt::print(file, "S {} {}\n", fmt::join(s.centre, " "), fmt::join(s.rest, " "));
-        for (const auto& c : scene.sticks)
-            fmt::print(file, "C {} {} {}\n", fmt::join(c.a, " "), fmt::join(c.b, " "),
-                       fmt::join(c.rest, " "));
+        for (const SpheresPeerScene::PeerSphere& s : scene.spheres)
+            fmt::print(file, "{} {}\n", fmt::join(s.centre, " "), fmt::join(s.rest, " "));
     }
     const std::string output = run_child(
         fmt::format("LP_NUM_THREADS=2 '{}' -a '{}' {} {} {} {} {} {} {} {}", xvfb_run_program,

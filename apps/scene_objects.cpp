@@ -265,34 +265,33 @@ private:
 
 namespace {
 
-// Each appends what an object is drawn as, where the object places it.
+// Each is moved by `to_world`, which scales all lengths alike, by `scale`.
 
-void append(std::span<const Sphere> spheres, const Placement& placement, Primitives& out) {
-    const Eigen::Affine3d to_world = placement.to_world();
-    for (Sphere sphere : spheres) {
-        sphere.centre_world = to_world * sphere.centre_world;
-        sphere.radius_world *= placement.scale;
-        out.spheres.push_back(sphere);
-    }
+Sphere moved(Sphere sphere, const Eigen::Affine3d& to_world, double scale) {
+    sphere.centre_world = to_world * sphere.centre_world;
+    sphere.radius_world *= scale;
+    return sphere;
 }
 
-void append(std::span<const Cylinder> sticks, const Placement& placement, Primitives& out) {
-    const Eigen::Affine3d to_world = placement.to_world();
-    for (Cylinder stick : sticks) {
-        stick.a_world = to_world * stick.a_world;
-        stick.b_world = to_world * stick.b_world;
-        stick.radius_world *= placement.scale;
-        out.cylinders.push_back(stick);
-    }
+Cylinder moved(Cylinder stick, const Eigen::Affine3d& to_world, double scale) {
+    stick.a_world = to_world * stick.a_world;
+    stick.b_world = to_world * stick.b_world;
+    stick.radius_world *= scale;
+    return stick;
 }
 
-void append(std::span<const Ellipsoid> ellipsoids, const Placement& placement, Primitives& out) {
+Ellipsoid moved(Ellipsoid ellipsoid, const Eigen::Affine3d& to_world, double) {
+    ellipsoid.centre_world = to_world * ellipsoid.centre_world;
+    ellipsoid.axes_world = to_world.linear() * ellipsoid.axes_world;
+    return ellipsoid;
+}
+
+/// Appends what an object is drawn as, where the object places it.
+template<class Primitive>
+void append(const std::vector<Primitive>& drawn, const Placement& placement,
+            std::vector<Primitive>& out) {
     const Eigen::Affine3d to_world = placement.to_world();
-    for (Ellipsoid ellipsoid : ellipsoids) {
-        ellipsoid.centre_world = to_world * ellipsoid.centre_world;
-        ellipsoid.axes_world = to_world.linear() * ellipsoid.axes_world;
-        out.ellipsoids.push_back(ellipsoid);
-    }
+    for (const Primitive& one : drawn) out.push_back(moved(one, to_world, placement.scale));
 }
 
 } // namespace
@@ -317,15 +316,15 @@ Scene SceneObjects::compose(const SceneFile& scene, const Progress& progress,
         if (!object.molecule.empty() && !object.surface) {
             const MoleculePrimitives drawn =
                 primitives_of(*molecule_of(object), object.molecule_look);
-            append(drawn.spheres, object.placement, *primitives);
-            append(drawn.sticks, object.placement, *primitives);
+            append(drawn.spheres, object.placement, primitives->spheres);
+            append(drawn.sticks, object.placement, primitives->cylinders);
         }
         if (!object.points.empty()) {
             PointLook look = object.point_look;
             look.colour = object.colour.value_or(scene.look.material.colour);
             const PointPrimitives drawn = primitives_of(points_.at(object.points), look);
-            append(drawn.spheres, object.placement, *primitives);
-            append(drawn.ellipsoids, object.placement, *primitives);
+            append(drawn.spheres, object.placement, primitives->spheres);
+            append(drawn.ellipsoids, object.placement, primitives->ellipsoids);
             if (drawn.dropped > 0)
                 warn(fmt::format("{}: {} points of no size are not drawn", name_of(scene, i),
                                  drawn.dropped));

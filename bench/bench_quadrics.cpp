@@ -234,6 +234,8 @@ int main(int argc, char** argv) try {
     bool has_peers = false;
     app.add_flag("--peers", has_peers, "VTK's sphere mapper in the same run, on scenes of spheres");
     app.add_flag("--errors", counts_errors, "also count wrong pixels");
+    std::string backend = "osmesa";
+    app.add_option("--backend", backend, "auto, egl, osmesa");
     CLI11_PARSE(app, argc, argv);
 
     const std::vector<BenchScene> scenes{
@@ -242,7 +244,7 @@ int main(int argc, char** argv) try {
          [] { return molecule("1tii.pdb", MoleculeStyle::BallsAndSticks); }},
         {"52 k spheres in a ball", [] { return ball_of_spheres(52000, 45); }},
         {"99 k + 198 k", [] { return ball_of_sticks(99000); }}};
-    const auto context = gl::make_context({.backend = gl::Backend::Osmesa});
+    const auto context = gl::make_context({.backend = gl::backend_from_name(backend)});
     Renderer renderer(*context, shader_folder);
     for (const BenchScene& scene : scenes) {
         if (scene.name.find(only) == std::string::npos) continue;

@@ -120,11 +120,13 @@ int main(int argc, char** argv) try {
     app.add_option("FIELD", name, "a built-in field (at 128^3) or a file");
     app.add_option("--size", size);
     app.add_option("--repeats", repeats);
+    std::string backend = "osmesa";
+    app.add_option("--backend", backend, "auto, egl, osmesa");
     CLI11_PARSE(app, argc, argv);
 
     const Scene scene{.field = is_field_file(name) ? read_field(name)
                                                    : sampled(builtin_field(name), 128)};
-    const auto context = gl::make_context({.backend = gl::Backend::Osmesa});
+    const auto context = gl::make_context({.backend = gl::backend_from_name(backend)});
     Renderer renderer(*context, shader_folder);
     Renderer without_test(*context, shaders_without_penumbra_test());
     renderer.load(scene);

@@ -133,7 +133,11 @@ void Buffer::write(std::int64_t offset, std::int64_t byte_count,
     if (!memory) throw GlError(fmt::format("cannot map {} MiB of a buffer", byte_count >> 20));
     struct Unmap {
         unsigned id;
-        ~Unmap() { glUnmapNamedBuffer(id); }
+        // NVIDIA (580.159, H100) otherwise now and then shows shaders what was there before.
+        ~Unmap() {
+            glUnmapNamedBuffer(id);
+            glFinish();
+        }
     };
     const Unmap unmap{id()};
     use_huge_pages(memory, byte_count);

@@ -5,6 +5,7 @@
 #include "../volume/temporary_folder.h"
 #include "program.h"
 #include "raycaster/image_files.h"
+#include "test_context.h"
 #include "volume/analytic_fields.h"
 #include "volume/errors.h"
 
@@ -87,7 +88,7 @@ TEST(Reach, IsThatOfTheWidestEffect) {
 }
 
 struct Pictures : testing::Test {
-    std::unique_ptr<gl::Context> context = gl::make_context({.backend = gl::Backend::Osmesa});
+    std::unique_ptr<gl::Context> context = test::make_context();
     Renderer renderer{*context, std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders"};
     Camera camera{.eye_world = {1.6, 1.2, 3.5}, .target_world = {0.1, 0, 0}};
     FrameReport report;

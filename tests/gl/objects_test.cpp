@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "gl/objects.h"
 
-#include "gl/context.h"
 #include "gl/timer.h"
+#include "test_context.h"
 
 #include <glad/gl.h>
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ namespace isocast::gl {
 namespace {
 
 struct Objects : testing::Test {
-    std::unique_ptr<Context> context = make_context({.backend = Backend::Osmesa});
+    std::unique_ptr<Context> context = test::make_context();
 };
 
 TEST_F(Objects, MoveTransfersAndDestructionDeletes) {

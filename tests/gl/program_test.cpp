@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "gl/program.h"
 
-#include "gl/context.h"
 #include "gl/errors.h"
+#include "test_context.h"
 
 #include <gtest/gtest.h>
 
@@ -69,7 +69,7 @@ TEST(ShaderLibrary, MissingFileIsNamed) {
 }
 
 struct Programs : testing::Test {
-    std::unique_ptr<Context> context = make_context({.backend = Backend::Osmesa});
+    std::unique_ptr<Context> context = test::make_context();
     ShaderFolder folder;
     void SetUp() override {
         folder.write("full.vert", "#version 450 core\nvoid main() { gl_Position = vec4(0.0); }\n");

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "gl/readback.h"
 
-#include "gl/context.h"
+#include "test_context.h"
 
 #include <glad/gl.h>
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace isocast::gl {
 namespace {
 
 struct Readback : testing::Test {
-    std::unique_ptr<Context> context = make_context({.backend = Backend::Osmesa});
+    std::unique_ptr<Context> context = test::make_context();
 };
 
 TEST_F(Readback, MappingShowsWhatTheGlWroteBeforeTheFence) {

@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "raycaster/renderer.h"
 #include "search_judge.h"
+#include "test_context.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -22,7 +23,7 @@ using namespace test;
 const std::filesystem::path shader_folder = std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders";
 
 struct Certified : testing::Test {
-    std::unique_ptr<gl::Context> context = gl::make_context({.backend = gl::Backend::Osmesa});
+    std::unique_ptr<gl::Context> context = test::make_context();
     Renderer renderer{*context, shader_folder};
 
     void load(const Subject& subject) {

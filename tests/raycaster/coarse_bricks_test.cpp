@@ -5,6 +5,7 @@
 
 #include "raycaster/renderer.h"
 #include "search_judge.h"
+#include "test_context.h"
 #include "volume/errors.h"
 
 #include <gtest/gtest.h>
@@ -119,7 +120,7 @@ std::vector<Camera> cameras_of(int n) {
 struct CoarsePictures : testing::Test {
     static constexpr int n = 64;
     static constexpr int size = 64;
-    std::unique_ptr<gl::Context> context = gl::make_context({.backend = gl::Backend::Osmesa});
+    std::unique_ptr<gl::Context> context = test::make_context();
     Renderer renderer{*context, shader_folder};
 
     /// Loads the field with a fraction of the memory that all its bricks take.

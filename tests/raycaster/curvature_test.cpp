@@ -9,6 +9,7 @@
 #include "gl/errors.h"
 #include "raycaster/passes.h"
 #include "raycaster/renderer.h"
+#include "test_context.h"
 #include "volume/errors.h"
 
 #include <gtest/gtest.h>
@@ -35,7 +36,7 @@ std::shared_ptr<const FieldSource> sampled_in(const GridSpace& space, const Anal
 }
 
 struct CurvatureImages : testing::Test {
-    std::unique_ptr<gl::Context> context = gl::make_context({.backend = gl::Backend::Osmesa});
+    std::unique_ptr<gl::Context> context = test::make_context();
     Renderer renderer{*context, shader_folder};
     ImageSet also_wanted;
     Image hits;

@@ -3,6 +3,7 @@
 #include "../volume/random_fields.h"
 #include "raycaster/reference.h"
 #include "raycaster/renderer.h"
+#include "test_context.h"
 
 #include <gtest/gtest.h>
 
@@ -17,7 +18,7 @@ const std::filesystem::path shader_folder = std::filesystem::path(ISOCAST_SOURCE
 constexpr int n = 32;
 
 struct DerivativeFilter : testing::Test {
-    std::unique_ptr<gl::Context> context = gl::make_context({.backend = gl::Backend::Osmesa});
+    std::unique_ptr<gl::Context> context = test::make_context();
     Renderer renderer{*context, shader_folder};
     // Filters differ most on noise; voxels are not cubes, so that turning gradients matters.
     std::shared_ptr<const FieldSource> field = [] {

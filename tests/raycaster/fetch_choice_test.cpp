@@ -1,6 +1,7 @@
 // Which fetch is chosen, and that its probe measures what it says.
 // SPDX-License-Identifier: MPL-2.0
 #include "raycaster/fetch_choice.h"
+#include "test_context.h"
 #include "volume/analytic_fields.h"
 
 #include <gtest/gtest.h>
@@ -40,7 +41,7 @@ TEST(FetchChoice, KnowsSoftwareRasterisers) {
 }
 
 struct ProbedFetches : testing::Test {
-    std::unique_ptr<gl::Context> context = gl::make_context({.backend = gl::Backend::Osmesa});
+    std::unique_ptr<gl::Context> context = test::make_context();
     Renderer renderer{*context, shader_folder};
 };
 

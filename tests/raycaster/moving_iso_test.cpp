@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "../volume/random_fields.h"
 #include "raycaster/renderer.h"
+#include "test_context.h"
 #include "volume/analytic_fields.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +15,7 @@ namespace {
 const std::filesystem::path shader_folder = std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders";
 
 struct MovingIso : testing::Test {
-    std::unique_ptr<gl::Context> context = gl::make_context({.backend = gl::Backend::Osmesa});
+    std::unique_ptr<gl::Context> context = test::make_context();
     Renderer moved{*context, shader_folder};
     Renderer fresh{*context, shader_folder};
     Camera camera{.eye_world = {1.9, 1.3, 3.1}, .target_world = {0.1, -0.05, 0}};

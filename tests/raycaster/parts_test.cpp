@@ -2,6 +2,7 @@
 // a finer picture.
 // SPDX-License-Identifier: MPL-2.0
 #include "raycaster/renderer.h"
+#include "test_context.h"
 #include "volume/analytic_fields.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +11,7 @@ namespace isocast {
 namespace {
 
 struct Parts : testing::Test {
-    std::unique_ptr<gl::Context> context = gl::make_context({.backend = gl::Backend::Osmesa});
+    std::unique_ptr<gl::Context> context = test::make_context();
     Renderer renderer{*context, std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders"};
     Camera camera{.eye_world = {1.6, 1.2, 3.5}, .target_world = {0.1, 0, 0}};
     static constexpr int width = 61;

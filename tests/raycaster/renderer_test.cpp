@@ -4,6 +4,7 @@
 
 #include "filtering/reconstruct.h"
 #include "raycaster/reference.h"
+#include "test_context.h"
 #include "volume/analytic_fields.h"
 #include "volume/dense_field.h"
 #include "volume/errors.h"
@@ -78,7 +79,7 @@ Differences compare(const Image& hits, std::shared_ptr<const FieldSource> sample
 }
 
 struct Rendering : testing::Test {
-    std::unique_ptr<gl::Context> context = gl::make_context({.backend = gl::Backend::Osmesa});
+    std::unique_ptr<gl::Context> context = test::make_context();
     Renderer renderer{*context, shader_folder};
 
     Image hits(std::shared_ptr<const FieldSource> field, const Camera& camera, int size,

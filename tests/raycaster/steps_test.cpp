@@ -1,6 +1,7 @@
 // How often rays look at the field: counted alike whatever the blocks' order, the parts of the
 // picture or the bricks at hand. SPDX-License-Identifier: MPL-2.0
 #include "raycaster/renderer.h"
+#include "test_context.h"
 #include "volume/analytic_fields.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +12,7 @@ namespace {
 constexpr int size = 64;
 
 struct Steps : testing::Test {
-    std::unique_ptr<gl::Context> context = gl::make_context({.backend = gl::Backend::Osmesa});
+    std::unique_ptr<gl::Context> context = test::make_context();
     Renderer renderer{*context, std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders"};
     const std::shared_ptr<const FieldSource> gyroid = sampled(builtin_field("gyroid"), 48);
     const Camera camera{.eye_world = {1.6, 1.1, 4.2}};

@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "../../bench/raycast/silhouette.h"
 #include "raycaster/renderer.h"
+#include "test_context.h"
 #include "volume/analytic_fields.h"
 #include "volume/errors.h"
 
@@ -27,7 +28,7 @@ struct Pictures {
 };
 
 struct StoredPictures : testing::Test {
-    std::unique_ptr<gl::Context> context = gl::make_context({.backend = gl::Backend::Osmesa});
+    std::unique_ptr<gl::Context> context = test::make_context();
     Renderer renderer{*context, shader_folder};
     std::shared_ptr<const FieldSource> gyroid = sampled(builtin_field("gyroid"), 64);
 

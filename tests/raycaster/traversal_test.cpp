@@ -1,8 +1,10 @@
 // All ways to the blocks of a ray give one picture, and so do all ways to store samples; the order
 // of tiles does not matter. SPDX-License-Identifier: MPL-2.0
 #include "hard_fields.h"
+#include "raycaster/fetch_choice.h"
 #include "raycaster/passes.h"
 #include "raycaster/renderer.h"
+#include "test_context.h"
 #include "volume/analytic_fields.h"
 #include "volume/errors.h"
 #include "volume/sparsify.h"
@@ -71,7 +73,7 @@ int hit_count(const std::vector<Image>& images) {
 }
 
 struct Traversals : testing::Test {
-    std::unique_ptr<gl::Context> context = gl::make_context({.backend = gl::Backend::Osmesa});
+    std::unique_ptr<gl::Context> context = test::make_context();
     Renderer renderer{*context, shader_folder};
 
     std::vector<Image> draw(const Scene& scene, const std::vector<Camera>& views, int width = 61,
@@ -242,7 +244,7 @@ Image drawn_in_order(const std::shared_ptr<const FieldSource>& field, const Came
 }
 
 TEST(TileOrder, DoesNotMatter) {
-    const auto context = gl::make_context({.backend = gl::Backend::Osmesa});
+    const auto context = test::make_context();
     const std::shared_ptr<const FieldSource> field = sampled(builtin_field("gyroid"), 48);
     const Camera camera{.eye_world = {1.9, 1.3, 3.1}, .target_world = {0.1, -0.05, 0}};
     const Image in_rows = drawn_in_order(field, camera, [](auto&) {});
@@ -257,6 +259,8 @@ TEST(TileOrder, DoesNotMatter) {
 
 /// The eye in the plane x = 20 exactly: f = x - 20, which the spline reproduces, is 0 there.
 TEST_F(Traversals, RaysThatStartOnTheSurfaceHitItOnTheWayInAndNeverOnTheWayOut) {
+    if (!is_software_rasteriser(context->driver().renderer))
+        GTEST_SKIP() << "GPUs fuse products and sums: what is 0 exactly here need not be there";
     const auto plane = test::control_of(field_size, [](const Vec3d& p) { return p.x() - 20; });
     const auto view = [](double x, double height) {
         Camera camera{.eye_world = {20, 17.3, 22.1},

@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "../volume/random_fields.h"
 #include "filtering/reconstruct.h"
-#include "gl/context.h"
+#include "raycaster/fetch_choice.h"
 #include "raycaster/passes.h"
+#include "test_context.h"
 #include "volume/analytic_fields.h"
 
 #include <glad/gl.h>
@@ -89,7 +90,7 @@ Hull hull_of(Kernel kernel) {
 
 class Tricubic : public testing::TestWithParam<Setting> {
 protected:
-    std::unique_ptr<gl::Context> context = gl::make_context({.backend = gl::Backend::Osmesa});
+    std::unique_ptr<gl::Context> context = test::make_context();
 
     /// Runs field_probe.comp at seeded points of the extent and compares with kernel_jet.
     void expect_equal_to_twin(const FieldSource& field, float iso);
@@ -161,6 +162,8 @@ void Tricubic::expect_equal_to_twin(const FieldSource& field, float iso) {
     double worst_value = 0;
     double worst_slope = 0;
     double worst_gradient = 0;
+    const bool has_full_fractions =
+        storage.fraction_bits == 0 && is_software_rasteriser(context->driver().renderer);
     const bool has_fetch_error = storage.fetch == Fetch::Linear && kernel != Kernel::CatmullRom;
     double worst_fast_value = 0; // of what fetch_error() allows
     double worst_fast_slope = 0;
@@ -198,7 +201,7 @@ void Tricubic::expect_equal_to_twin(const FieldSource& field, float iso) {
         // slopes eight times that. Of it 2^-9 is due to 8 bits; llvmpipe's fractions are full, and
         // of textures up to 512 texels along an axis, as these, 2^-22 * 512 remains, a sixteenth.
         const double bound = unit * r.fast.z();
-        const double value_bound = storage.fraction_bits == 8 ? bound : bound / 16;
+        const double value_bound = has_full_fractions ? bound / 16 : bound;
         const double value_off = std::abs(unit * r.fast.x() - (jet.value - iso));
         const double slope_off = std::max(
             (r.fast_gradient.head<3>().cast<double>() - jet.gradient).cwiseAbs().maxCoeff(),

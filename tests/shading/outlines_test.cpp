@@ -235,11 +235,13 @@ TEST_F(EdgeLines, ReachBeyondTheSurfaceInTheBeauty) {
     const Image lines = renderer.read(FrameImage::Outlines);
     int beyond = 0;
     for (std::size_t i = 0; i < beauty.rgba.size(); i += 4) {
-        if (hits_of.rgba[i + 3] != 0 || lines.rgba[i + 3] < 1) continue;
+        // Lengths of unit normals may be a rounding less than 1, which some drivers cut to halves.
+        constexpr float half_rounding = 0x1p-11F;
+        if (hits_of.rgba[i + 3] != 0 || lines.rgba[i + 3] < 1 - half_rounding) continue;
         ++beyond;
-        EXPECT_EQ(beauty.rgba[i], 1);
-        EXPECT_EQ(beauty.rgba[i + 1], 0);
-        EXPECT_EQ(beauty.rgba[i + 3], 1);
+        EXPECT_GE(beauty.rgba[i], 1 - 2 * half_rounding);
+        EXPECT_LE(beauty.rgba[i + 1], 2 * half_rounding);
+        EXPECT_GE(beauty.rgba[i + 3], 1 - 2 * half_rounding);
     }
     EXPECT_GT(beyond, 100);
 }

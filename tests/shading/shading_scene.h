@@ -3,6 +3,7 @@
 #pragma once
 
 #include "raycaster/renderer.h"
+#include "test_context.h"
 #include "volume/analytic_fields.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +16,7 @@ inline const std::filesystem::path shader_folder =
     std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders";
 
 struct Shading : testing::Test {
-    std::unique_ptr<gl::Context> context = gl::make_context({.backend = gl::Backend::Osmesa});
+    std::unique_ptr<gl::Context> context = test::make_context();
     Renderer renderer{*context, shader_folder};
     Camera camera{.eye_world = {1.6, 1.2, 4.5}, .target_world = Vec3d::Zero()};
     int size = 96;

@@ -4,6 +4,7 @@
 #include "filtering/curvature.h"
 #include "quadrics/quadric.h"
 #include "splat_judge.h"
+#include "test_context.h"
 #include "volume/analytic_fields.h"
 
 namespace isocast::test {
@@ -13,7 +14,7 @@ const std::filesystem::path shader_folder = std::filesystem::path(ISOCAST_SOURCE
 constexpr double nowhere = std::numeric_limits<double>::infinity();
 
 struct SplatScenes : testing::Test {
-    std::unique_ptr<gl::Context> context = gl::make_context({.backend = gl::Backend::Osmesa});
+    std::unique_ptr<gl::Context> context = test::make_context();
     Renderer renderer{*context, shader_folder};
     Camera camera{.eye_world = {0.8, 1.1, 5}, .target_world = Vec3d::Zero()};
     int size = 160;

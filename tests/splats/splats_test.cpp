@@ -3,6 +3,7 @@
 #include "splat_judge.h"
 
 #include "../quadrics/random_primitives.h"
+#include "test_context.h"
 
 namespace isocast::test {
 namespace {
@@ -10,7 +11,7 @@ namespace {
 const std::filesystem::path shader_folder = std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders";
 
 struct Splat : testing::Test {
-    std::unique_ptr<gl::Context> context = gl::make_context({.backend = gl::Backend::Osmesa});
+    std::unique_ptr<gl::Context> context = test::make_context();
     Renderer renderer{*context, shader_folder};
     Camera camera{.eye_world = {0.3, 0.4, 6}, .target_world = Vec3d::Zero()};
 };

@@ -8,6 +8,7 @@
 #include "distance_transform/mesh_files.h"
 #include "distance_transform/sample_meshes.h"
 #include "distance_transform/tile_transform.h"
+#include "test_context.h"
 #include "volume/errors.h"
 
 #include <gtest/gtest.h>
@@ -139,7 +140,7 @@ std::optional<CheckedMesh> mesh_named(const std::string& name) {
 }
 
 struct GpuScanOf : testing::TestWithParam<Case> {
-    std::unique_ptr<gl::Context> context = gl::make_context({.backend = gl::Backend::Osmesa});
+    std::unique_ptr<gl::Context> context = test::make_context();
 };
 
 TEST_P(GpuScanOf, HasTheSamplesOfTheCpu) {
@@ -164,7 +165,7 @@ INSTANTIATE_TEST_SUITE_P(
 /// The knot, whose triangles are long, across many tiles and batches.
 struct GpuScanBatches : testing::Test {
     const Prepared prepared{check(sample_mesh("knot")), 96, 8};
-    std::unique_ptr<gl::Context> context = gl::make_context({.backend = gl::Backend::Osmesa});
+    std::unique_ptr<gl::Context> context = test::make_context();
 };
 
 void expect_same_bits(const FieldBlocks& a, const FieldBlocks& b) {
@@ -224,7 +225,7 @@ CheckedMesh thin_plate() {
 TEST(GpuScan, SignsOfAThinPlateAreTheCpus) {
     const CheckedMesh mesh = thin_plate();
     ASSERT_TRUE(mesh.verdict.is_closed() && mesh.verdict.is_oriented());
-    const auto context = gl::make_context({.backend = gl::Backend::Osmesa});
+    const auto context = test::make_context();
     const Prepared prepared(mesh, 60, 5);
     const GpuScan gpu = prepared.on_gpu(*context);
     const Differences found = expect_the_cpus_samples(prepared, gpu);
@@ -234,7 +235,7 @@ TEST(GpuScan, SignsOfAThinPlateAreTheCpus) {
 
 TEST(GpuScan, CandidatesThatOverflowAreDrawnAgain) {
     // One tile at a time, with room for half as many candidates as samples; here are twice as many.
-    const auto context = gl::make_context({.backend = gl::Backend::Osmesa});
+    const auto context = test::make_context();
     const Prepared prepared(thin_plate(), 60, 20);
     const GpuScan narrow = prepared.on_gpu(*context, {.target_extent = 1});
     EXPECT_GT(narrow.repeated_batches, 0);
@@ -246,7 +247,7 @@ TEST(GpuScan, HasTheSamplesOfTheCpuForLongTriangles) {
     Mesh tetrahedron;
     tetrahedron.vertices_world = {{0, 0, 0}, {1, 0.1, 0.05}, {0.1, 0.2, 0.01}, {0.3, 0.1, 0.4}};
     tetrahedron.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
-    const auto context = gl::make_context({.backend = gl::Backend::Osmesa});
+    const auto context = test::make_context();
     const Prepared prepared(check(tetrahedron), 400, 3);
     const GpuScan gpu = prepared.on_gpu(*context, {.target_extent = 1024});
     EXPECT_GT(gpu.batches, 3);

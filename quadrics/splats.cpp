@@ -2,7 +2,7 @@
 #include "quadrics/splats.h"
 
 #include "quadrics/quadric.h"
-#include "quadrics/triangle_cover.h"
+#include "quadrics/triangle_splats.h"
 #include "quadrics/visibility.h"
 
 #include <tbb/parallel_for.h>
@@ -18,13 +18,6 @@ constexpr double margin_pixels = 1.0 / 16;
 /// Rectangles that reach farther are cut to the picture: floats know them to a 64th of a pixel.
 constexpr double greatest_pixels = 1 << 17;
 
-/// A triangle of a mesh, and the numbers by which shaders find its colour and its normals.
-struct NumberedTriangle {
-    Triangle triangle;
-    std::size_t mesh;   // after all quadrics
-    std::size_t number; // through all meshes
-};
-
 template<class Primitive>
 constexpr SplatKind kind_of = SplatKind::Cone; // a cylinder is one
 template<>
@@ -33,8 +26,6 @@ template<>
 constexpr SplatKind kind_of<Ellipsoid> = SplatKind::Ellipsoid;
 template<>
 constexpr SplatKind kind_of<ClippedQuadric> = SplatKind::General;
-template<>
-constexpr SplatKind kind_of<NumberedTriangle> = SplatKind::Triangle;
 
 /// Where a primitive is drawn: a corner and two sides [pixels].
 struct Rectangle {
@@ -149,14 +140,6 @@ Footprint footprint_of(const ClippedQuadric& quadric, const SplatView& view) {
                         -in_view(view.space, quadric.centre_world).z() - half_depth, view);
 }
 
-Footprint footprint_of(const NumberedTriangle& one, const SplatView& view) {
-    const auto cover = cover_of(one.triangle, view);
-    if (!cover) return nothing;
-    const double nearest = ray_of(one.triangle, view.space).nearest_world;
-    return {cover->box.x_lo, cover->box.x_hi, cover->box.y_lo, cover->box.y_hi,
-            static_cast<float>(view.space.is_perspective ? std::max(nearest, 0.0) : nearest)};
-}
-
 /// A splat's floats, one after the other.
 class Record {
 public:
@@ -210,19 +193,6 @@ void write_splat(const Primitive& primitive, std::uint32_t number, const SplatVi
     }
 }
 
-void write_splat(const NumberedTriangle& one, std::uint32_t, const SplatView& view,
-                 const Footprint&, Record record) {
-    const TriangleCover cover = cover_of(one.triangle, view).value();
-    const TriangleRay ray = ray_of(one.triangle, view.space);
-    record.put({cover.corner.x(), cover.corner.y(), cover.side_a.x(), cover.side_a.y()});
-    record.put({cover.side_b.x(), cover.side_b.y(), double(one.mesh), double(one.number)});
-    const auto put = [&](const Vec3d& v, double w) { record.put({v.x(), v.y(), v.z(), w}); };
-    put(ray.edges[0], ray.nearest_world);
-    put(ray.edges[1], ray.farthest_world);
-    put(ray.edges[2], 0);
-    put(ray.normal, ray.offset_world);
-}
-
 /// Calls f(primitive) with the primitive of a number.
 template<class Function>
 void visit(const Primitives& primitives, std::size_t number, Function f) {
@@ -234,19 +204,8 @@ void visit(const Primitives& primitives, std::size_t number, Function f) {
         number -= some.size();
         return false;
     };
-    if (is_in(primitives.spheres) || is_in(primitives.ellipsoids) || is_in(primitives.cylinders) ||
-        is_in(primitives.cones) || is_in(primitives.quadrics))
-        return;
-    const std::size_t number_of_triangle = number;
-    for (std::size_t m = 0; m < primitives.meshes.size(); ++m) {
-        const TriangleMesh& mesh = primitives.meshes[m];
-        if (number < mesh.triangles.size()) {
-            f(NumberedTriangle{triangle_of(mesh, number), primitives.quadric_count() + m,
-                               number_of_triangle});
-            return;
-        }
-        number -= mesh.triangles.size();
-    }
+    (void)(is_in(primitives.spheres) || is_in(primitives.ellipsoids) ||
+           is_in(primitives.cylinders) || is_in(primitives.cones) || is_in(primitives.quadrics));
 }
 
 template<class Function>
@@ -260,7 +219,7 @@ void in_parallel(std::size_t count, Function f) {
 } // namespace
 
 Splats splats_of(const Primitives& primitives, const SplatView& view) {
-    std::vector<Footprint> footprints(primitives.count());
+    std::vector<Footprint> footprints(primitives.quadric_count());
     in_parallel(footprints.size(), [&](std::size_t i) {
         visit(primitives, i,
               [&](const auto& primitive) { footprints[i] = footprint_of(primitive, view); });
@@ -275,9 +234,6 @@ Splats splats_of(const Primitives& primitives, const SplatView& view) {
             using Primitive = std::decay_t<decltype(primitive)>;
             of_kind[static_cast<std::size_t>(kind_of<Primitive>)].push_back(i);
         });
-    // Triangles that share an edge are hit at one depth there: the first one drawn shows, which
-    // must not depend on what else is in the part.
-    std::ranges::sort(of_kind[static_cast<std::size_t>(SplatKind::Triangle)]);
     for (std::size_t k = 0; k < of_kind.size(); ++k) {
         const auto floats = static_cast<std::size_t>(splat_floats[k]);
         out.records[k].resize(floats * of_kind[k].size());
@@ -293,6 +249,10 @@ Splats splats_of(const Primitives& primitives, const SplatView& view) {
     for (const std::uint32_t i : visible)
         out.boxes.push_back(
             {footprints[i].x_lo, footprints[i].x_hi, footprints[i].y_lo, footprints[i].y_hi});
+    for (std::size_t m = 0, number = 0; m < primitives.meshes.size(); ++m) {
+        append_splats(primitives.meshes[m], {primitives.quadric_count() + m, number}, view, out);
+        number += primitives.meshes[m].triangles.size();
+    }
     return out;
 }
 

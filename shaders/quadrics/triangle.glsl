@@ -1,6 +1,6 @@
 // The hit of a ray with a triangle.
 // SPDX-License-Identifier: MPL-2.0
-// twin  quadrics/triangle_cover.h: TriangleRay
+// twin  quadrics/triangle_splats.h: TriangleRay
 #include "quadrics/quadric.glsl"
 //
 // IS_PERSPECTIVE: rays start at the eye.

@@ -110,6 +110,7 @@ TEST_F(SplatScenes, FieldsAndPrimitivesIntersectAlongTheRightCurves) {
 }
 
 TEST_F(SplatScenes, FieldMoleculeAndMeshIntersectAlongTheRightCurves) {
+    size = 320;
     // A ball as a field, atoms and bonds, and a torus of 6,000 triangles that passes through all.
     const Vec3d centre(0.1, 0, 0);
     const double radius = 0.6;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MPL-2.0
-#include "quadrics/triangle_cover.h"
+#include "quadrics/triangle_splats.h"
+
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -76,11 +78,32 @@ Eigen::AlignedBox2d clipped(std::vector<Pixel> polygon, const SplatView& view) {
     return box;
 }
 
-/// Whether a pixel's middle lies within the margin.
-bool has_middles(const Eigen::AlignedBox2d& box) {
-    const Vec2d first = (box.min().array() - margin_pixels - 0.5).ceil();
-    const Vec2d last = (box.max().array() + margin_pixels - 0.5).floor();
-    return (first.array() <= last.array()).all();
+/// Whether a pixel's middle lies within the margin, as far as that is worth finding out.
+///
+/// corners  not if the triangle was cut
+bool has_middles(const std::optional<std::array<Vec2d, 3>>& corners, const Eigen::AlignedBox2d& box,
+                 const SplatView& view) {
+    const Vec2d first = (box.min().array() - margin_pixels - 0.5).ceil().max(0);
+    const Vec2d last = (box.max().array() + margin_pixels - 0.5)
+                           .floor()
+                           .min(Eigen::Array2d(view.width - 1, view.height - 1));
+    if ((first.array() > last.array()).any()) return false;
+    constexpr double few = 8; // pixels take longer to draw than these to test
+    if (!corners || (last - first + Vec2d::Ones()).prod() > few) return true;
+    std::array<Vec2d, 3> inwards; // unit, across the edges
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Vec2d edge = ((*corners)[(k + 1) % 3] - (*corners)[k]).stableNormalized();
+        inwards[k] = Vec2d(-edge.y(), edge.x());
+        if (inwards[k].dot((*corners)[(k + 2) % 3] - (*corners)[k]) < 0) inwards[k] *= -1;
+    }
+    for (double y = first.y(); y <= last.y(); ++y)
+        for (double x = first.x(); x <= last.x(); ++x) {
+            bool is_near = true;
+            for (std::size_t k = 0; k < 3; ++k)
+                is_near &= inwards[k].dot(Vec2d(x + 0.5, y + 0.5) - (*corners)[k]) > -margin_pixels;
+            if (is_near) return true;
+        }
+    return false;
 }
 
 } // namespace
@@ -102,7 +125,9 @@ std::optional<TriangleCover> cover_of(const Triangle& triangle, const SplatView&
         box.extend(corners[k]);
     }
     if (is_cut) box = clipped({pixels.begin(), pixels.end()}, view);
-    if (box.isEmpty() || !has_middles(box)) return std::nullopt;
+    if (box.isEmpty()) return std::nullopt;
+    if (!has_middles(is_cut ? std::nullopt : std::optional(corners), box, view))
+        return std::nullopt;
     if (!is_cut) return grown(corners, box);
     // Its corners as one point: no area, hence the rectangle.
     return grown({box.min(), box.min(), box.min()}, box);
@@ -128,6 +153,47 @@ TriangleRay ray_of(const Triangle& triangle, const PictureSpace& space) {
     ray.nearest_world = -nearest;
     ray.farthest_world = -farthest;
     return ray;
+}
+
+void append_splats(const TriangleMesh& mesh, const MeshNumbers& numbers, const SplatView& view,
+                   Splats& splats) {
+    constexpr std::size_t block = 4096; // triangles, that one thread writes down
+    struct Written {
+        std::vector<float> records;
+        std::vector<PixelBox> boxes;
+    };
+    std::vector<Written> blocks((mesh.triangles.size() + block - 1) / block);
+    tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
+        Written& out = blocks[b];
+        const auto put = [&out](const Vec3d& v, double w) {
+            for (const double value : {v.x(), v.y(), v.z(), w})
+                out.records.push_back(static_cast<float>(value));
+        };
+        const std::size_t end = std::min((b + 1) * block, mesh.triangles.size());
+        for (std::size_t i = b * block; i < end; ++i) {
+            const Triangle triangle = triangle_of(mesh, i);
+            const auto cover = cover_of(triangle, view);
+            if (!cover) continue;
+            const TriangleRay ray = ray_of(triangle, view.space);
+            out.boxes.push_back(cover->box);
+            put({cover->corner.x(), cover->corner.y(), cover->side_a.x()}, cover->side_a.y());
+            put({cover->side_b.x(), cover->side_b.y(), double(numbers.mesh)},
+                double(numbers.first_triangle + i));
+            put(ray.edges[0], ray.nearest_world);
+            put(ray.edges[1], ray.farthest_world);
+            put(ray.edges[2], 0);
+            put(ray.normal, ray.offset_world);
+        }
+    });
+    std::vector<float>& records = splats.records[static_cast<std::size_t>(SplatKind::Triangle)];
+    std::size_t float_count = records.size();
+    for (const Written& written : blocks) float_count += written.records.size();
+    records.reserve(float_count);
+    for (Written& written : blocks) {
+        records.insert(records.end(), written.records.begin(), written.records.end());
+        splats.boxes.insert(splats.boxes.end(), written.boxes.begin(), written.boxes.end());
+        written = {};
+    }
 }
 
 } // namespace isocast

@@ -1,5 +1,5 @@
-// Which pixels a triangle can show: what the GL draws of it.
-// SPDX-License-Identifier: MPL-2.0
+// What a picture takes of triangles: what the GL draws of each, and the numbers by which rays meet
+// it. SPDX-License-Identifier: MPL-2.0
 #pragma once
 
 #include "quadrics/splats.h"
@@ -9,7 +9,7 @@
 namespace isocast {
 
 /// A triangle in the picture that holds another's picture with a margin, so that the GL's roundings
-/// leave out no pixel. Which pixels it is that show it shaders decide, the same in any part of a
+/// leave out no pixel. Which pixels show the triangle shaders decide, the same in any part of a
 /// picture.
 struct TriangleCover {
     Eigen::Vector2d corner; // pixels, as PixelBox
@@ -34,5 +34,15 @@ struct TriangleRay {
     double nearest_world, farthest_world; // along the view
 };
 TriangleRay ray_of(const Triangle& triangle, const PictureSpace& space);
+
+/// By which shaders find colours and normals.
+struct MeshNumbers {
+    std::size_t mesh;           // through all primitives, as splats_of() has it
+    std::size_t first_triangle; // through all meshes
+};
+/// Those of a mesh that a picture can show, in order: triangles that share an edge are hit at one
+/// depth there and the first one drawn shows, which must not depend on what else is in the part.
+void append_splats(const TriangleMesh& mesh, const MeshNumbers& numbers, const SplatView& view,
+                   Splats& splats);
 
 } // namespace isocast

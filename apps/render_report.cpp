@@ -101,7 +101,8 @@ void print_json(const RenderReport& report) {
     Json primitives; // null without any
     if (report.loaded.primitives)
         primitives = {{"spheres", report.loaded.primitives->spheres.size()},
-                      {"cylinders", report.loaded.primitives->cylinders.size()}};
+                      {"cylinders", report.loaded.primitives->cylinders.size()},
+                      {"triangles", report.loaded.primitives->triangle_count()}};
     const BrickTotals bricks = totals_of(report);
     Json coarse; // null unless bricks were coarsened
     if (bricks.coarse_of > 0)
@@ -168,9 +169,11 @@ void explain(const RenderReport& report) {
         double(frame.look_bytes) / mib);
     for (const std::string& note : frame.notes) fmt::print("{}\n", note);
     if (report.loaded.primitives)
-        fmt::print("{} spheres, {} cylinders: {:.2f} MiB on the GPU of those that can be seen\n",
+        fmt::print("{} spheres, {} cylinders, {} triangles: {:.2f} MiB on the GPU of those that "
+                   "can be seen\n",
                    report.loaded.primitives->spheres.size(),
-                   report.loaded.primitives->cylinders.size(), double(frame.splat_bytes) / mib);
+                   report.loaded.primitives->cylinders.size(),
+                   report.loaded.primitives->triangle_count(), double(frame.splat_bytes) / mib);
     if (!report.loaded.objects.empty())
         fmt::print(
             "{} of {} bricks on the GPU, {} loaded; stored samples err by {:.2g} voxel at most\n",

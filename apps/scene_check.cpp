@@ -69,8 +69,12 @@ void check_object(const SceneFile& scene, std::size_t i, Problems& problems) {
         problems.add(key_of(i, "of"), "there is no csg that combines these");
     if (!object.morph.empty() && object.morph.size() != 2)
         problems.add(key_of(i, "morph"), "two objects are needed");
-    if (object.resolution && object.mesh.empty())
-        problems.add(key_of(i, "resolution"), "only meshes are converted");
+    if (object.is_triangles && object.mesh.empty())
+        problems.add(key_of(i, "as"), "only meshes have triangles");
+    if (object.crease_degrees && !object.is_triangles)
+        problems.add(key_of(i, "crease"), "for meshes that are drawn as triangles");
+    if (object.resolution && (object.mesh.empty() || object.is_triangles))
+        problems.add(key_of(i, "resolution"), "only meshes that become fields are converted");
     if (object.surface && object.molecule.empty())
         problems.add(key_of(i, "surface"), "only molecules have such surfaces");
     if (object.time && object.series.empty())
@@ -81,7 +85,8 @@ void check_object(const SceneFile& scene, std::size_t i, Problems& problems) {
                                         std::pair{"cut_colour", object.cut_colour.has_value()}})
         if (is_of_primitives(object) && is_there &&
             !(key == std::string_view("colour") && object.molecule.empty()))
-            problems.add(key_of(i, key), "for fields: molecules and points are none");
+            problems.add(key_of(i, key),
+                         "for fields, which molecules, points and triangles are not");
     const Placement unplaced;
     for (const auto& [key, is_there] :
          {std::pair{"iso", object.iso_world.has_value()},
@@ -102,7 +107,7 @@ void check_object(const SceneFile& scene, std::size_t i, Problems& problems) {
                 fmt::format("there is no object '{}' (known: {})", name, fmt::join(known, ", ")));
         } else if (is_of_primitives(scene.objects[*operand])) {
             problems.add(key_of_operands(scene, i),
-                         fmt::format("'{}' is a molecule or points, not a field", name));
+                         fmt::format("'{}' is a molecule, points or triangles, not a field", name));
         } else if (!object.csg && scene.objects[*operand].csg) {
             problems.add(key_of_operands(scene, i),
                          fmt::format("'{}' is a csg; a morph blends two fields, meshes, morphs or "

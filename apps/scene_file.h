@@ -17,8 +17,8 @@
 
 namespace isocast {
 
-/// A field, and how it is drawn; or primitives. One of field, mesh, csg, morph, series, molecule
-/// and points says where it comes from.
+/// A field, and how it is drawn; or primitives: atoms, points, triangles. One of field, mesh, csg,
+/// morph, series, molecule and points says where it comes from.
 struct SceneObject {
     enum class Csg { Union, Intersection, Difference };
     std::string name;
@@ -39,6 +39,9 @@ struct SceneObject {
     double voxel_angstrom = 0.5;             // of the surface
     std::string points;                      // file of points with attributes
     PointLook point_look;                    // of them
+
+    bool is_triangles = false;            // of meshes: drawn as they are, not as fields
+    std::optional<double> crease_degrees; // of triangles
 
     std::optional<int> resolution; // of meshes
     double band_voxels = 3;        // of meshes, half width
@@ -136,7 +139,8 @@ std::optional<std::size_t> object_named(const SceneFile& scene, const std::strin
 
 /// Whether it is drawn as primitives, not as a field.
 inline bool is_of_primitives(const SceneObject& object) {
-    return (!object.molecule.empty() && !object.surface) || !object.points.empty();
+    return (!object.molecule.empty() && !object.surface) || !object.points.empty() ||
+           object.is_triangles;
 }
 
 /// Names of what an object is made of; none for a field, a mesh or a series.

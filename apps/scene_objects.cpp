@@ -2,6 +2,7 @@
 #include "apps/scene_objects.h"
 
 #include "distance_transform/convert.h"
+#include "distance_transform/corner_normals.h"
 #include "filtering/morph.h"
 #include "volume/errors.h"
 #include "volume/histogram.h"
@@ -103,6 +104,7 @@ std::string name_of(const SceneFile& scene, std::size_t object) {
 
 SceneObjects::SourceKey SceneObjects::key_of(const SceneObject& object, const std::string& input) {
     if (object.mesh.empty()) return {input};
+    if (object.is_triangles) return {.input = input, .is_triangles = true};
     return {input, object.resolution.value_or(256), object.band_voxels};
 }
 
@@ -151,6 +153,21 @@ void SceneObjects::open(const SceneFile& scene) {
 std::shared_ptr<const Molecule> SceneObjects::molecule_of(const SceneObject& object) const {
     const MoleculeKey key{object.molecule, object.atoms};
     return std::ranges::find(molecules_, key, [](const auto& m) { return m.first; })->second;
+}
+
+/// Where the object places them, without a colour.
+TriangleMesh SceneObjects::triangles_of(const SceneObject& object) const {
+    const CheckedMesh& checked = *sources_.at(key_of(object, object.mesh)).mesh;
+    TriangleMesh out{.vertices_world = checked.mesh.vertices_world,
+                     .triangles = checked.mesh.triangles};
+    const double crease_degrees = object.crease_degrees.value_or(40);
+    if (crease_degrees > 0)
+        out.normals_world = corner_normals(checked.mesh, checked.topology, crease_degrees);
+    const Eigen::Affine3d to_world = object.placement.to_world();
+    for (Vec3d& vertex : out.vertices_world) vertex = to_world * vertex;
+    const Eigen::Matrix3f turn = (to_world.linear() / object.placement.scale).cast<float>();
+    for (Eigen::Vector3f& normal : out.normals_world) normal = turn * normal;
+    return out;
 }
 
 /// Fields of a frame's objects.
@@ -330,6 +347,11 @@ Scene SceneObjects::compose(const SceneFile& scene, const Progress& progress,
                                  drawn.dropped));
         }
     }
+    for (const SceneObject& object : scene.objects)
+        if (object.is_triangles) {
+            primitives->meshes.push_back(triangles_of(object));
+            primitives->meshes.back().colour = object.colour.value_or(scene.look.material.colour);
+        }
     if (primitives->count() > 0) out.primitives = std::move(primitives);
     return out;
 }

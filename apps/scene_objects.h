@@ -59,11 +59,12 @@ private:
         std::string input;
         int resolution = 0; // of meshes
         double band_voxels = 0;
+        bool is_triangles = false; // not converted
         auto operator<=>(const SourceKey&) const = default;
     };
     struct Source {
         Input input;
-        std::optional<CheckedMesh> mesh; // to be converted
+        std::optional<CheckedMesh> mesh; // to be converted, or drawn
         std::shared_ptr<const FieldSource> field;
         std::optional<double> iso_world; // found when it is first asked for
     };
@@ -89,6 +90,7 @@ private:
         bool operator==(const MoleculeKey&) const = default;
     };
     std::shared_ptr<const Molecule> molecule_of(const SceneObject& object) const;
+    TriangleMesh triangles_of(const SceneObject& object) const;
     class Making; // of one frame
 
     static SourceKey key_of(const SceneObject& object, const std::string& input);

@@ -91,6 +91,7 @@ void check(const Primitives& primitives) {
     check(std::span(primitives.cylinders));
     check(std::span(primitives.cones));
     check(std::span(primitives.quadrics));
+    check(std::span(primitives.meshes));
 }
 
 namespace {
@@ -126,6 +127,8 @@ Eigen::AlignedBox3d box_of(const Primitives& primitives) {
         extend_between(c.a_world, c.b_world, c.radius_a_world, c.radius_b_world);
     for (const ClippedQuadric& q : primitives.quadrics)
         extend(box, q.centre_world, q.axes_world.cwiseAbs().rowwise().sum());
+    for (const TriangleMesh& mesh : primitives.meshes)
+        for (const Vec3d& vertex : mesh.vertices_world) box.extend(vertex);
     return box;
 }
 
@@ -163,6 +166,8 @@ std::vector<Vec3d> extreme_points(const Primitives& primitives) {
         }
         for (const ClippedQuadric& q : primitives.quadrics)
             offer(q.centre_world + q.axes_world * (q.axes_world.transpose() * d).cwiseSign());
+        for (const TriangleMesh& mesh : primitives.meshes)
+            for (const Vec3d& vertex : mesh.vertices_world) offer(vertex);
         if (std::isfinite(farthest)) points.push_back(point);
     }
     return points;

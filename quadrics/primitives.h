@@ -1,9 +1,9 @@
-// Surfaces of second degree that are drawn one by one: spheres, ellipsoids, cylinders, cones, and
-// general quadrics in a box.
+// Surfaces that are drawn one by one: spheres, ellipsoids, cylinders, cones, general quadrics in a
+// box, and triangles.
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
-#include "volume/grid_space.h"
+#include "quadrics/triangles.h"
 
 #include <span>
 #include <vector>
@@ -70,17 +70,25 @@ struct Primitives {
     std::vector<Cylinder> cylinders;
     std::vector<Cone> cones;
     std::vector<ClippedQuadric> quadrics;
+    std::vector<TriangleMesh> meshes;
 
-    std::size_t count() const {
+    std::size_t quadric_count() const {
         return spheres.size() + ellipsoids.size() + cylinders.size() + cones.size() +
                quadrics.size();
     }
+    std::size_t triangle_count() const {
+        std::size_t sum = 0;
+        for (const TriangleMesh& mesh : meshes) sum += mesh.triangles.size();
+        return sum;
+    }
+    std::size_t count() const { return quadric_count() + triangle_count(); }
 };
 /// throws  InputError as above, or for more than 2^24 - 2: beyond it floats do not count
 void check(const Primitives& primitives);
 
 /// Along the world's axes, around all of them: tight for spheres, ellipsoids, cylinders and cones,
-/// for clipped quadrics that of their boxes. Empty if there are none.
+/// for clipped quadrics that of their boxes, for meshes that of their vertices. Empty if there are
+/// none.
 Eigen::AlignedBox3d box_of(const Primitives& primitives);
 
 /// The farthest points of all of them in 128 directions, evenly spread: their convex hull has that

@@ -2,6 +2,7 @@
 #include "quadrics/splats.h"
 
 #include "quadrics/quadric.h"
+#include "quadrics/triangle_splats.h"
 #include "quadrics/visibility.h"
 
 #include <tbb/parallel_for.h>
@@ -218,7 +219,7 @@ void in_parallel(std::size_t count, Function f) {
 } // namespace
 
 Splats splats_of(const Primitives& primitives, const SplatView& view) {
-    std::vector<Footprint> footprints(primitives.count());
+    std::vector<Footprint> footprints(primitives.quadric_count());
     in_parallel(footprints.size(), [&](std::size_t i) {
         visit(primitives, i,
               [&](const auto& primitive) { footprints[i] = footprint_of(primitive, view); });
@@ -248,6 +249,10 @@ Splats splats_of(const Primitives& primitives, const SplatView& view) {
     for (const std::uint32_t i : visible)
         out.boxes.push_back(
             {footprints[i].x_lo, footprints[i].x_hi, footprints[i].y_lo, footprints[i].y_hi});
+    for (std::size_t m = 0, number = 0; m < primitives.meshes.size(); ++m) {
+        append_splats(primitives.meshes[m], {primitives.quadric_count() + m, number}, view, out);
+        number += primitives.meshes[m].triangles.size();
+    }
     return out;
 }
 

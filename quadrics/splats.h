@@ -22,10 +22,10 @@ struct SplatView {
 };
 
 /// Which code meets a splat's rays.
-enum class SplatKind { Sphere, Ellipsoid, Cone, General }; // cylinders are cones
-inline constexpr int splat_kind_count = 4;
+enum class SplatKind { Sphere, Ellipsoid, Cone, General, Triangle }; // cylinders are cones
+inline constexpr int splat_kind_count = 5;
 /// Floats of a splat, by kind; shaders/quadrics/splat.glsl says which.
-inline constexpr std::array<int, splat_kind_count> splat_floats{12, 24, 20, 36};
+inline constexpr std::array<int, splat_kind_count> splat_floats{12, 24, 20, 36, 24};
 
 /// Pixels from the part's bottom left corner, upwards.
 struct PixelBox {
@@ -33,7 +33,7 @@ struct PixelBox {
     float y_lo, y_hi;
 };
 
-/// The primitives that a picture can show, the nearest first within each kind.
+/// The primitives that a picture can show: of quadrics the nearest first within each kind.
 struct Splats {
     std::array<std::vector<float>, splat_kind_count> records;
     std::vector<PixelBox> boxes; // that hold them, of all
@@ -44,7 +44,7 @@ struct Splats {
     }
 };
 
-/// Primitives are numbered kind by kind in the order of Primitives.
+/// Primitives are numbered kind by kind in the order of Primitives; triangles by their meshes.
 ///
 /// primitives  checked
 /// returns     those of which some part is in front of the eye and within the part of the picture,

@@ -76,6 +76,36 @@ Window window_of(const Sphere& sphere, const Picture& picture) {
     return picture.window(x[0], x[1], y[0], y[1]);
 }
 
+/// By the signs of the volumes that the ray spans with the edges: one through an edge meets both
+/// triangles there.
+double first_t(const Triangle& triangle, const Ray& ray) {
+    std::array<Vec3d, 3> from_start;
+    for (std::size_t k = 0; k < 3; ++k)
+        from_start[k] = triangle.corners_world[k] - ray.origin_world;
+    const Vec3d& v = ray.direction_world;
+    Vec3d volumes;
+    for (std::size_t k = 0; k < 3; ++k) { // far away corners alone are nearly parallel
+        const Vec3d& a = from_start[(k + 1) % 3];
+        volumes[static_cast<Eigen::Index>(k)] = v.dot(a.cross(from_start[(k + 2) % 3] - a));
+    }
+    const bool is_inside = (volumes.array() >= 0).all() || (volumes.array() <= 0).all();
+    const Vec3d normal = area_normal(triangle);
+    const double slant = normal.dot(v);
+    if (!is_inside || slant == 0) return nowhere;
+    const double t = normal.dot(from_start[0]) / slant;
+    return t > 0 ? t : nowhere;
+}
+
+Window window_of(const Triangle& triangle, const Picture& picture) {
+    Eigen::AlignedBox2d box;
+    for (const Vec3d& corner : triangle.corners_world) {
+        const Vec3d at = picture.space.view_from_world * (corner - picture.camera.eye_world);
+        if (picture.space.is_perspective && !(at.z() < 0)) return picture.all();
+        box.extend(Eigen::Vector2d(at.head<2>() / (picture.space.is_perspective ? -at.z() : 1)));
+    }
+    return picture.window(box.min().x(), box.max().x(), box.min().y(), box.max().y());
+}
+
 template<class Primitive>
 Window window_of(const Primitive& primitive, const Picture& picture) {
     const ScreenBounds bounds = screen_bounds(primitive, picture.space);
@@ -104,30 +134,35 @@ std::vector<SeenPrimitive> cast_primitives(const Primitives& primitives, const C
         const int first_row = strip * rows;
         const int last_row = std::min(first_row + rows, height);
         int number = 0;
+        const auto cast_one = [&](const auto& one) {
+            const Window window = window_of(one, picture);
+            for (int y = std::max(window.y_lo, first_row); y < std::min(window.y_hi, last_row); ++y)
+                for (int x = window.x_lo; x < window.x_hi; ++x) {
+                    const Ray ray = camera_ray(camera, width, height, x + 0.5, y + 0.5);
+                    double t = nowhere;
+                    Vec3d normal = Vec3d::Zero();
+                    using One = std::decay_t<decltype(one)>;
+                    if constexpr (std::is_same_v<One, Sphere>) {
+                        t = first_t(one, ray);
+                        normal = (ray.origin_world - one.centre_world + t * ray.direction_world) /
+                                 one.radius_world;
+                    } else if constexpr (std::is_same_v<One, Triangle>) {
+                        t = first_t(one, ray);
+                        normal = area_normal(one).stableNormalized();
+                    } else if (const auto hit =
+                                   intersect(one, ray.origin_world, ray.direction_world)) {
+                        t = hit->t;
+                        normal = hit->normal;
+                    }
+                    SeenPrimitive& pixel =
+                        seen[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                             static_cast<std::size_t>(x)];
+                    if (t < pixel.t) pixel = {number, t, normal};
+                }
+        };
         const auto cast = [&](const auto& some) {
             for (const auto& one : some) {
-                const Window window = window_of(one, picture);
-                for (int y = std::max(window.y_lo, first_row); y < std::min(window.y_hi, last_row);
-                     ++y)
-                    for (int x = window.x_lo; x < window.x_hi; ++x) {
-                        const Ray ray = camera_ray(camera, width, height, x + 0.5, y + 0.5);
-                        double t = nowhere;
-                        Vec3d normal = Vec3d::Zero();
-                        if constexpr (std::is_same_v<std::decay_t<decltype(one)>, Sphere>) {
-                            t = first_t(one, ray);
-                            normal =
-                                (ray.origin_world - one.centre_world + t * ray.direction_world) /
-                                one.radius_world;
-                        } else if (const auto hit =
-                                       intersect(one, ray.origin_world, ray.direction_world)) {
-                            t = hit->t;
-                            normal = hit->normal;
-                        }
-                        SeenPrimitive& pixel =
-                            seen[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                                 static_cast<std::size_t>(x)];
-                        if (t < pixel.t) pixel = {number, t, normal};
-                    }
+                cast_one(one);
                 ++number;
             }
         };
@@ -136,6 +171,10 @@ std::vector<SeenPrimitive> cast_primitives(const Primitives& primitives, const C
         cast(primitives.cylinders);
         cast(primitives.cones);
         cast(primitives.quadrics);
+        for (const TriangleMesh& mesh : primitives.meshes) {
+            for (std::size_t i = 0; i < mesh.triangles.size(); ++i) cast_one(triangle_of(mesh, i));
+            ++number;
+        }
     });
     return seen;
 }

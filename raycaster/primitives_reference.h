@@ -10,8 +10,9 @@
 
 namespace isocast {
 
-/// What a ray meets first: a primitive by its number, kind by kind in the order of Primitives, or
-/// -1; how far along camera_ray()'s direction; and the unit normal there.
+/// What a ray meets first: a primitive by its number, kind by kind in the order of Primitives and
+/// of triangles their meshes, or -1; how far along camera_ray()'s direction; and the unit normal
+/// there.
 struct SeenPrimitive {
     int number = -1;
     double t = std::numeric_limits<double>::infinity();
@@ -23,7 +24,8 @@ struct SeenPrimitive {
 /// others in the rectangle of screen_bounds() and 3 pixels around it.
 ///
 /// primitives  checked
-/// source      spheres by their closest approach to the ray, others by intersect(), in double
+/// source      spheres by their closest approach to the ray, triangles by the volumes that it spans
+///             with their edges, others by intersect(), in double
 std::vector<SeenPrimitive> cast_primitives(const Primitives& primitives, const Camera& camera,
                                            int width, int height);
 

@@ -42,7 +42,22 @@ std::vector<Eigen::Vector4f> colours_of(const Primitives& primitives) {
     append(primitives.cylinders);
     append(primitives.cones);
     append(primitives.quadrics);
+    append(primitives.meshes);
     return colours;
+}
+
+/// Three a triangle; none unless a mesh has some.
+std::vector<Eigen::Vector4f> normals_of(const Primitives& primitives) {
+    std::vector<Eigen::Vector4f> normals;
+    if (std::ranges::all_of(primitives.meshes,
+                            [](const TriangleMesh& mesh) { return mesh.normals_world.empty(); }))
+        return normals;
+    normals.reserve(3 * primitives.triangle_count());
+    for (const TriangleMesh& mesh : primitives.meshes)
+        for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+            for (const Eigen::Vector3f& normal : corner_normals_of(mesh, i))
+                normals.emplace_back(normal.x(), normal.y(), normal.z(), 0.0F);
+    return normals;
 }
 
 std::array<Vec3d, 8> corners_of(const Eigen::AlignedBox3d& box) {
@@ -131,11 +146,15 @@ void Renderer::load(Scene scene, const Progress& progress) {
     objects_ = std::move(loaded);
     scene_ = std::move(scene);
     splat_colours_ = {};
+    triangle_normals_ = {};
     primitives_box_ = {};
     if (has_primitives(scene_)) {
         const std::vector<Eigen::Vector4f> colours = colours_of(*scene_.primitives);
         splat_colours_ = {std::as_bytes(std::span(colours)), gl::Format::Rgba32f,
                           "colours of primitives"};
+        if (const auto normals = normals_of(*scene_.primitives); !normals.empty())
+            triangle_normals_ = {std::as_bytes(std::span(normals)), gl::Format::Rgba32f,
+                                 "normals of triangles"};
         primitives_box_ = box_of(*scene_.primitives);
     }
     look_textures_ = {};
@@ -228,6 +247,8 @@ SeenScene Renderer::seen_by(const Camera& camera, int width, int height, const P
     }
     if (has_primitives(scene_)) {
         seen.splats.emplace(*scene_.primitives, camera, width, height, part);
+        if (triangle_normals_.buffer.byte_count() > 0)
+            seen.splats->triangle_normals = &triangle_normals_;
         seen.extents_world.push_back(corners_of(primitives_box_));
         runs.push_back(seen.splats->tile_runs);
     }
@@ -338,7 +359,8 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
     report.programs_compiled = shaders_.compiled_program_count();
     for (const auto& object : objects_) report.field_bytes += object->byte_count();
     if (seen.splats)
-        report.splat_bytes = splat_colours_.buffer.byte_count() + seen.splats->byte_count;
+        report.splat_bytes = splat_colours_.buffer.byte_count() +
+                             triangle_normals_.buffer.byte_count() + seen.splats->byte_count;
     report.scratch_bytes = frame.scratch_bytes;
     report.notes = std::move(frame.notes);
     report.look_bytes = look_textures_.byte_count();

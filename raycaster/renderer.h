@@ -107,7 +107,8 @@ private:
     gl::VertexArray no_vertices_;
     Scene scene_;
     std::vector<std::unique_ptr<LoadedObject>> objects_;
-    NumbersOnGpu splat_colours_;          // by primitive, if the scene has some
+    NumbersOnGpu splat_colours_;          // by primitive or mesh, if the scene has some
+    NumbersOnGpu triangle_normals_;       // three a triangle, if any mesh has normals
     Eigen::AlignedBox3d primitives_box_;  // the same; else empty
     std::optional<LightView> shadow_map_; // where it was drawn from, if it is that of these objects
     FrameTargets targets_;

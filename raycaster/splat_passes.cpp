@@ -14,6 +14,11 @@ namespace {
 
 using Defines = std::map<std::string, std::string>;
 
+/// Of a splat: two triangles make a rectangle.
+constexpr int vertex_count(SplatKind kind) {
+    return kind == SplatKind::Triangle ? 3 : 6;
+}
+
 /// distance  instead of the splat's number: how far away it is
 gl::ProgramKey splat_program(SplatKind kind, bool is_perspective, bool writes_distance = false) {
     const auto k = static_cast<std::size_t>(kind);
@@ -21,13 +26,15 @@ gl::ProgramKey splat_program(SplatKind kind, bool is_perspective, bool writes_di
             {{"KIND", std::to_string(k)},
              {"FLOATS4", std::to_string(splat_floats[k] / 4)},
              {"PLACE4", kind == SplatKind::Sphere ? "1" : "2"}, // of the rectangle
+             {"VERTICES", std::to_string(vertex_count(kind))},
              {"WRITES_DISTANCE", writes_distance ? "1" : "0"},
              {"IS_PERSPECTIVE", is_perspective ? "1" : "0"}}};
 }
 
 /// kinds  by bits
-Defines defines_of(unsigned kinds, bool is_perspective, bool has_hessian) {
+Defines defines_of(unsigned kinds, bool is_perspective, bool has_normals, bool has_hessian) {
     Defines defines{{"IS_PERSPECTIVE", is_perspective ? "1" : "0"},
+                    {"HAS_NORMALS", has_normals ? "1" : "0"},
                     {"HAS_HESSIAN", has_hessian ? "1" : "0"}};
     for (unsigned k = 0; k < splat_kind_count; ++k)
         defines.emplace(fmt::format("HAS_{}", k), (kinds >> k & 1) != 0 ? "1" : "0");
@@ -52,15 +59,21 @@ bool is_perspective(const FrameContext& frame) {
     return frame.camera.projection == Projection::Perspective;
 }
 
-unsigned kinds_of(const SplatsOnGpu& splats) {
+bool has_normals(const SplatsOnGpu& splats) {
+    return splats.triangle_normals != nullptr && !splats.kinds.empty() &&
+           splats.kinds.back().kind == SplatKind::Triangle;
+}
+
+Defines defines_of(const FrameContext& frame, bool has_hessian) {
     unsigned kinds = 0;
-    for (const SplatsOnGpu::OfKind& of_kind : splats.kinds)
+    for (const SplatsOnGpu::OfKind& of_kind : frame.seen.splats->kinds)
         kinds |= 1U << static_cast<unsigned>(of_kind.kind);
-    return kinds;
+    return defines_of(kinds, is_perspective(frame), has_normals(*frame.seen.splats), has_hessian);
 }
 
 /// Of shaders/quadrics/splat.glsl.
 void set_ray_uniforms(const gl::Program& program, const FrameContext& frame) {
+    if (!program.has("u_pixel")) return; // flat triangles bend the same for any ray
     program.set("u_middle_pixel", Eigen::Vector2f(0.5F * static_cast<float>(frame.width),
                                                   0.5F * static_cast<float>(frame.height)));
     program.set("u_pixel", static_cast<float>(2 * frame.camera.half_height_at(1) / frame.height));
@@ -72,18 +85,16 @@ void set_splat_uniforms(const gl::Program& program, const FrameContext& frame) {
     set_ray_uniforms(program, frame);
     frame.targets.texture(FrameImage::Splat).bind_to_unit(5);
     constexpr unsigned first_unit = 6;
-    Eigen::Vector4i first_slots = Eigen::Vector4i::Zero();
-    Eigen::Vector4i counts = Eigen::Vector4i::Zero();
     for (const SplatsOnGpu::OfKind& of_kind : frame.seen.splats->kinds) {
         const auto k = static_cast<unsigned>(of_kind.kind);
         of_kind.records.texture.bind_to_unit(first_unit + k);
-        first_slots[k] = of_kind.first_slot;
-        counts[k] = of_kind.count;
+        program.set(fmt::format("u_first_slots[{}]", k).c_str(), of_kind.first_slot);
+        program.set(fmt::format("u_counts[{}]", k).c_str(), of_kind.count);
     }
+    if (has_normals(*frame.seen.splats))
+        frame.seen.splats->triangle_normals->texture.bind_to_unit(first_unit + splat_kind_count);
     program.set("u_world_from_view",
                 Eigen::Matrix3f(frame.camera.view_from_world_rotation().transpose().cast<float>()));
-    program.set("u_first_slots", first_slots);
-    program.set("u_counts", counts);
 }
 
 float owner_number(const FrameContext& frame) {
@@ -106,7 +117,7 @@ void draw_splats(const FrameContext& frame, bool writes_distance, Prepare prepar
         of_kind.records.texture.bind_to_unit(0);
         frame.no_vertices.bind();
         program.use();
-        glDrawArrays(GL_TRIANGLES, 0, 6 * of_kind.count);
+        glDrawArrays(GL_TRIANGLES, 0, vertex_count(of_kind.kind) * of_kind.count);
     }
 }
 
@@ -161,8 +172,7 @@ void resolve_splats(FrameContext& frame) {
     if (has_colour) glClearBufferfv(GL_COLOR, has_gradient ? 2 : 1, none.data());
     if (splats.kinds.empty()) return;
     const gl::Program& program = frame.shaders.program(
-        resolve_program(defines_of(kinds_of(splats), is_perspective(frame), false), has_fields,
-                        has_gradient, has_colour));
+        resolve_program(defines_of(frame, false), has_fields, has_gradient, has_colour));
     set_splat_uniforms(program, frame);
     program.set("u_object", owner_number(frame));
     if (has_fields) {
@@ -176,8 +186,8 @@ void resolve_splats(FrameContext& frame) {
 void draw_splat_derivatives(const FrameContext& frame, int order) {
     const SplatsOnGpu& splats = *frame.seen.splats;
     if (splats.kinds.empty()) return;
-    const gl::Program& program = frame.shaders.program(derivatives_program(
-        defines_of(kinds_of(splats), is_perspective(frame), order == 2), order, frame.live));
+    const gl::Program& program = frame.shaders.program(
+        derivatives_program(defines_of(frame, order == 2), order, frame.live));
     set_splat_uniforms(program, frame);
     frame.targets.texture(FrameImage::Hit).bind_to_unit(0);
     program.set("u_object", owner_number(frame));
@@ -197,18 +207,26 @@ std::vector<gl::ProgramKey> splat_programs() {
                 keys.push_back(
                     splat_program(static_cast<SplatKind>(k), is_perspective, writes_distance));
         // Kinds add code, each its own: each alone and all together.
-        for (const unsigned kinds : {1U, 2U, 4U, 8U, 15U}) {
+        for (const auto& [kinds, has_normals] : {std::pair{1U, false},
+                                                 {2U, false},
+                                                 {4U, false},
+                                                 {8U, false},
+                                                 {16U, false},
+                                                 {16U, true},
+                                                 {31U, true}}) {
+            const auto defines = [&, kinds = kinds, has_normals = has_normals](bool has_hessian) {
+                return defines_of(kinds, is_perspective, has_normals, has_hessian);
+            };
             for (const bool has_fields : {false, true})
                 for (const bool has_gradient : {false, true})
                     for (const bool has_colour : {false, true})
-                        keys.push_back(resolve_program(defines_of(kinds, is_perspective, false),
-                                                       has_fields, has_gradient, has_colour));
-            keys.push_back(derivatives_program(defines_of(kinds, is_perspective, false), 1, {}));
+                        keys.push_back(
+                            resolve_program(defines(false), has_fields, has_gradient, has_colour));
+            keys.push_back(derivatives_program(defines(false), 1, {}));
             for (const FrameImage image :
                  {FrameImage::Curvature, FrameImage::Direction, FrameImage::ViewCurvature,
                   FrameImage::FlowLineCurvature})
-                keys.push_back(
-                    derivatives_program(defines_of(kinds, is_perspective, true), 2, {image}));
+                keys.push_back(derivatives_program(defines(true), 2, {image}));
         }
     }
     return keys;

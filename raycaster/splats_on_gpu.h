@@ -1,4 +1,4 @@
-// Spheres and other quadrics of a scene as rectangles that the GL draws (thesis chapter 7).
+// Spheres, other quadrics and triangles of a scene as the GL draws them (thesis chapter 7).
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
@@ -24,6 +24,7 @@ struct SplatsOnGpu {
     std::vector<OfKind> kinds;              // that are there
     std::vector<Eigen::Vector4i> tile_runs; // of tiles that can show one, as TileLists::runs()
     std::int64_t byte_count = 0;
+    const NumbersOnGpu* triangle_normals = nullptr; // of all corners, if any mesh has normals
 };
 
 } // namespace isocast

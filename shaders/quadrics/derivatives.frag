@@ -9,7 +9,6 @@
 #include "quadrics/splats.glsl"
 
 layout(binding = 0) uniform sampler2D t_hit;
-uniform mat3 u_world_from_view;
 uniform float u_object; // as whose hits splats are written
 
 #if ORDER == 1

@@ -5,7 +5,6 @@
 // GRADIENT_AT, COLOUR_AT: where these are written, -1 for nowhere.
 
 layout(binding = 0) uniform sampler2D t_hit; // of the fields; written here
-uniform mat3 u_world_from_view;
 uniform float u_object; // as whose hits they are written
 #if COLOUR_AT >= 0
 layout(binding = 4) uniform samplerBuffer t_colours; // by primitive

@@ -21,6 +21,9 @@ void main() {
 #if KIND == 0
     QuadricHit hit = sphere_hit(v_splat[0], v_splat[1], slope, start);
     o_splat = v_splat[0].y;
+#elif KIND == 4
+    QuadricHit hit = triangle_hit(vec4[3](v_splat[0], v_splat[1], v_splat[2]), v_splat[3], ray_at());
+    o_splat = v_splat[2].w;
 #else
 #if KIND == 1
     Quadric quadric = ellipsoid_of(v_splat[0], v_splat[1], v_splat[2], v_splat[3], start);

@@ -3,6 +3,7 @@
 // twin  quadrics/splats.cpp
 #include "common/pixel.glsl"
 #include "quadrics/quadric.glsl"
+#include "quadrics/triangle.glsl"
 //
 // IS_PERSPECTIVE: rays start at the eye.
 
@@ -13,12 +14,15 @@ uniform float u_pixel; // from a pixel to the next: slope, of parallel rays [wor
 #if IS_PERSPECTIVE
 vec2 ray_slope() { return u_pixel * (picture_pixel() - u_middle_pixel); }
 vec3 ray_start() { return vec3(0.0); }
+vec2 ray_at() { return ray_slope(); }
 #else
 vec2 ray_slope() { return vec2(0.0); }
 vec3 ray_start() { return vec3(u_pixel * (picture_pixel() - u_middle_pixel), 0.0); }
+vec2 ray_at() { return ray_start().xy; }
 #endif
 
-// Of every kind the first four floats, and of others than spheres two more, are the rectangle.
+// Of every kind the first four floats, and of others than spheres two more, are the rectangle, or of
+// triangles another around them.
 // Spheres: corner, size | f(eye), number, 0, 0 | centre, radius; in view space, from the eye.
 QuadricHit sphere_hit(vec4 at_eye, vec4 sphere, vec2 slope, vec3 start) {
     vec3 o = sphere.xyz - start;
@@ -72,3 +76,5 @@ Quadric general_of(vec4 centre, vec4 row0, vec4 row1, vec4 row2, vec4 a, vec4 b,
     quadric.c = row2.w;
     return quadric;
 }
+// Triangles: corner, side | side, number of the mesh, number | edge, least depth | edge, greatest depth |
+// edge, 0 | unit normal, offset. Hits of triangle.glsl.

@@ -2,7 +2,8 @@
 // attributes: drawn as instances, software rasterisers shade four vertices at a time.
 // SPDX-License-Identifier: MPL-2.0
 #version 450 core
-// KIND: quadrics/splats.h, SplatKind; FLOATS4: of a splat, by four; PLACE4: of what rays need.
+// KIND: quadrics/splats.h, SplatKind; FLOATS4: of a splat, by four; PLACE4: of its place;
+// VERTICES: 6 for two triangles, 3 for one.
 
 layout(binding = 0) uniform samplerBuffer t_records; // of this kind
 uniform vec2 u_clip_from_pixel;                      // 2 / size of the part, per axis
@@ -16,16 +17,18 @@ const float small_area = 64.0 * 64.0;
 flat out vec4 v_splat[FLOATS4 - PLACE4]; // with the number of the splat + 1 in a free place
 
 void main() {
-    int splat = gl_VertexID / 6;
+    int splat = gl_VertexID / VERTICES;
     // 0 1 2, 2 1 3: corners x0y0, x1y0, x0y1, x1y1.
-    int corner = gl_VertexID % 6;
+    int corner = gl_VertexID % VERTICES;
     corner = corner < 3 ? corner : corner == 3 ? 2 : corner == 4 ? 1 : 3;
     vec2 side = vec2(corner & 1, corner >> 1);
     vec4 first = texelFetch(t_records, FLOATS4 * splat);
     vec2 side_a = KIND == 0 ? vec2(first.z, 0.0) : first.zw;
     vec2 side_b = KIND == 0 ? vec2(0.0, first.w) : texelFetch(t_records, FLOATS4 * splat + 1).xy;
+#if VERTICES == 6
     if (dot(side_a, side_a) * dot(side_b, side_b) < small_area)
         side = gl_VertexID % 6 < 3 ? 2.0 * side : vec2(0.0);
+#endif
     for (int i = PLACE4; i < FLOATS4; ++i) v_splat[i - PLACE4] = texelFetch(t_records, FLOATS4 * splat + i);
 #if !WRITES_DISTANCE
     float slot = float(u_first_slot + splat + 1);

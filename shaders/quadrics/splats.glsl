@@ -2,12 +2,17 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "quadrics/splat.glsl"
 //
-// HAS_0 ... HAS_3: whether there are splats of each kind (quadrics/splats.h: SplatKind).
+// HAS_0 ... HAS_4: whether there are splats of each kind (quadrics/splats.h: SplatKind).
+// HAS_NORMALS: whether triangles have normals at corners.
 
 layout(binding = 5) uniform sampler2D t_splat; // number + 1; 0: none
-layout(binding = 6) uniform samplerBuffer t_splats[4]; // by kind
-uniform ivec4 u_first_slots; // by kind
-uniform ivec4 u_counts;
+layout(binding = 6) uniform samplerBuffer t_splats[5]; // by kind
+uniform int u_first_slots[5]; // by kind
+uniform int u_counts[5];
+#if HAS_NORMALS
+layout(binding = 11) uniform samplerBuffer t_normals; // of corners, world axes
+#endif
+uniform mat3 u_world_from_view;
 
 struct Seen {
     QuadricHit hit;
@@ -101,6 +106,23 @@ Seen seen_splat(int slot) {
                                        texelFetch(t_splats[3], at + 8), start);
         QuadricHit hit = first_hit(general, quadric, slope, 0.0);
         seen = Seen(hit, texelFetch(t_splats[3], at + 1).z, width_of(quadric), hessian_of(general, quadric, hit));
+    }
+#endif
+#if HAS_4
+    for (bool is_here = is_of(slot, 4); is_here; is_here = seen.number < -1.0) {
+        int at = 6 * (slot - u_first_slots[4]);
+        vec2 numbers = texelFetch(t_splats[4], at + 1).zw;
+        QuadricHit hit = triangle_hit(vec4[3](texelFetch(t_splats[4], at + 2),
+                                              texelFetch(t_splats[4], at + 3),
+                                              texelFetch(t_splats[4], at + 4)),
+                                      texelFetch(t_splats[4], at + 5), ray_at());
+#if HAS_NORMALS
+        int corner = 3 * int(numbers.y);
+        mat3 normals = mat3(texelFetch(t_normals, corner).xyz, texelFetch(t_normals, corner + 1).xyz,
+                            texelFetch(t_normals, corner + 2).xyz);
+        hit.normal = smooth_normal(hit, transpose(u_world_from_view) * normals, vec3(slope, -1.0));
+#endif
+        seen = Seen(hit, numbers.x, nowhere, mat3(0.0)); // flat, and no thin thing
     }
 #endif
     return seen;

@@ -80,6 +80,34 @@ TEST_F(PrimitiveScenes, PointsAreSpheresAndTensorsEllipsoids) {
     EXPECT_EQ(warnings[0], "cloud: 1 points of no size are not drawn");
 }
 
+TEST_F(PrimitiveScenes, MeshesAreTrianglesWhereTheyArePlaced) {
+    const std::string knot = "[[object]]\nmesh = \"mesh:knot\"\nas = \"triangles\"\n";
+    const Scene scene = compose(knot +
+                                "scale = 2\nrotate = [0, 0, 90]\ntranslate = [10, 0, 0]\n"
+                                "colour = [1, 0, 0]\n" +
+                                knot + "crease = 0\n");
+    EXPECT_TRUE(scene.objects.empty());
+    ASSERT_EQ(scene.primitives->meshes.size(), 2);
+    const TriangleMesh& placed = scene.primitives->meshes[0];
+    const TriangleMesh& flat = scene.primitives->meshes[1];
+    EXPECT_EQ(placed.colour, Vec3d(1, 0, 0));
+    EXPECT_EQ(flat.triangles, placed.triangles);
+    EXPECT_TRUE(flat.normals_world.empty());
+    ASSERT_EQ(placed.normals_world.size(), 3 * placed.triangles.size());
+    for (std::size_t i = 0; i < flat.vertices_world.size(); ++i) {
+        const Vec3d& v = flat.vertices_world[i];
+        EXPECT_LT((placed.vertices_world[i] - Vec3d(10 - 2 * v.y(), 2 * v.x(), 2 * v.z())).norm(),
+                  1e-12);
+    }
+    // The tube's twelve sides bend by 30 degrees: normals are those of a smooth one.
+    const Vec3d face = area_normal(triangle_of(placed, 0)).normalized();
+    for (const std::size_t corner : {0, 1, 2}) {
+        EXPECT_NEAR(placed.normals_world[corner].norm(), 1, 1e-6);
+        EXPECT_GT(placed.normals_world[corner].cast<double>().dot(face), std::cos(0.4));
+        EXPECT_LT(placed.normals_world[corner].cast<double>().dot(face), std::cos(0.02));
+    }
+}
+
 TEST_F(PrimitiveScenes, AreNoOperandsAndTakeNoKeysOfFields) {
     EXPECT_THROW(read("[[object]]\nname = \"a\"\nmolecule = \"water.xyz\"\n"
                       "[[object]]\nname = \"b\"\nfield = \"field:torus@8\"\n"
@@ -89,6 +117,17 @@ TEST_F(PrimitiveScenes, AreNoOperandsAndTakeNoKeysOfFields) {
     EXPECT_THROW(read("[[object]]\nfield = \"field:torus@8\"\nsurface = \"excluded\"\n"),
                  InputError);
     EXPECT_THROW(read("[[object]]\nmolecule = \"missing.pdb\"\n"), InputError);
+    const std::string knot = "[[object]]\nname = \"knot\"\nmesh = \"mesh:knot\"\n";
+    for (const char* key : {"iso = 0.1\n", "resolution = 64\n", "filter = \"bspline\"\n",
+                            "cut_colour = [1, 0, 0]\n"}) {
+        EXPECT_NO_THROW(read(knot + key));
+        EXPECT_THROW(read(knot + "as = \"triangles\"\n" + key), InputError) << key;
+    }
+    EXPECT_THROW(read(knot + "crease = 20\n"), InputError);
+    EXPECT_THROW(read("[[object]]\nfield = \"field:torus@8\"\nas = \"triangles\"\n"), InputError);
+    EXPECT_THROW(read(knot + "as = \"triangles\"\n[[object]]\nname = \"b\"\n"
+                             "field = \"field:torus@8\"\n[[object]]\nmorph = [\"knot\", \"b\"]\n"),
+                 InputError);
 }
 
 } // namespace

@@ -32,6 +32,7 @@ inline void number_by_colour(Primitives& primitives) {
     name(primitives.cylinders);
     name(primitives.cones);
     name(primitives.quadrics);
+    name(primitives.meshes);
 }
 
 struct Judgement {

@@ -1,6 +1,7 @@
 // Primitives beside fields, and what effects make of them.
 // SPDX-License-Identifier: MPL-2.0
 #include "../quadrics/random_primitives.h"
+#include "distance_transform/sample_meshes.h"
 #include "filtering/curvature.h"
 #include "quadrics/quadric.h"
 #include "splat_judge.h"
@@ -106,6 +107,59 @@ TEST_F(SplatScenes, FieldsAndPrimitivesIntersectAlongTheRightCurves) {
         if (!is_composed) {
             EXPECT_GT(field_pixels, 1000);
         }
+    }
+}
+
+TEST_F(SplatScenes, FieldMoleculeAndMeshIntersectAlongTheRightCurves) {
+    size = 320;
+    // A ball as a field, atoms and bonds, and a torus of 6,000 triangles that passes through all.
+    const Vec3d centre(0.1, 0, 0);
+    const double radius = 0.6;
+    Primitives primitives;
+    for (const Vec3d& atom : {Vec3d(0.6, 0.1, 0.2), Vec3d(-0.4, 0.3, 0.4), Vec3d(0.1, 0.7, 0.3)}) {
+        primitives.spheres.push_back({.centre_world = atom, .radius_world = 0.25});
+        primitives.cylinders.push_back(
+            {.a_world = atom, .b_world = Vec3d(0, -0.2, 0.5), .radius_world = 0.1});
+    }
+    const Mesh torus = sample_mesh("torus");
+    TriangleMesh mesh{.vertices_world = torus.vertices_world, .triangles = torus.triangles};
+    Eigen::AlignedBox3d box;
+    for (const Vec3d& vertex : mesh.vertices_world) box.extend(vertex);
+    for (Vec3d& vertex : mesh.vertices_world)
+        vertex = Eigen::AngleAxisd(0.5, Vec3d::UnitX()) * (1.8 / box.sizes().maxCoeff() * vertex);
+    primitives.meshes = {mesh};
+    number_by_colour(primitives);
+    Scene scene{.primitives = std::make_shared<Primitives>(primitives)};
+    scene.objects.push_back({.field = sampled(sphere_field(centre, radius), 64)});
+    renderer.load(scene);
+    for (const Projection projection : {Projection::Perspective, Projection::Orthographic}) {
+        camera.projection = projection;
+        renderer.draw(camera, size, size, {FrameImage::Hit, FrameImage::SplatColour});
+        const Image hits = renderer.read(FrameImage::Hit);
+        const Image colours = renderer.read(FrameImage::SplatColour);
+        const std::vector<SeenPrimitive> seen = cast_primitives(primitives, camera, size, size);
+        // As above: where the field's own error, along rays that graze, may decide.
+        const double slack = 20 * 3 * 15 / std::pow(radius, 3) / 192 * std::pow(2.0 / 63, 4);
+        int wrong = 0;
+        int undecided = 0;
+        std::array<int, 4> shown{}; // field, spheres, sticks, triangles
+        for (std::size_t i = 0; i < seen.size(); ++i) {
+            const double field_t = ball_t(ray_of(i), centre, radius);
+            const double first = std::min(field_t, seen[i].t);
+            if (first < nowhere && std::abs(field_t - seen[i].t) <= slack) {
+                ++undecided;
+                continue;
+            }
+            const bool is_field = field_t < seen[i].t;
+            const int number = first == nowhere || is_field ? -1 : seen[i].number;
+            const double owner = first == nowhere ? 0 : is_field ? 1 : 2;
+            wrong +=
+                hits.rgba[4 * i + 3] != owner || number_of_colour(&colours.rgba[4 * i]) != number;
+            if (owner != 0) ++shown[is_field ? 0 : number < 3 ? 1 : number < 6 ? 2 : 3];
+        }
+        EXPECT_EQ(wrong, 0);
+        EXPECT_LT(undecided, 10);
+        for (const int count : shown) EXPECT_GT(count, 500);
     }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "quadrics/primitives.h"
 
+#include "quadrics/superquadric.h"
 #include "volume/errors.h"
 
 #include <fmt/format.h>
@@ -82,15 +83,24 @@ void check(std::span<const ClippedQuadric> quadrics) {
     });
 }
 
+void check(std::span<const Superquadric> superquadrics) {
+    check_each("superquadric", superquadrics, [](const Superquadric& s) {
+        const auto problem_of = [](double exponent) {
+            return exponent >= least_superquadric_exponent && exponent <= 1
+                       ? ""
+                       : fmt::format("an exponent is {}, not from {} to 1", exponent,
+                                     least_superquadric_exponent);
+        };
+        return first_of({axes_problem(s.centre_world, s.axes_world), problem_of(s.alpha),
+                         problem_of(s.beta)});
+    });
+}
+
 void check(const Primitives& primitives) {
     constexpr std::size_t most = (1U << 24) - 2;
     if (primitives.count() > most)
         throw InputError(fmt::format("{} primitives: {} at most", primitives.count(), most));
-    check(std::span(primitives.spheres));
-    check(std::span(primitives.ellipsoids));
-    check(std::span(primitives.cylinders));
-    check(std::span(primitives.cones));
-    check(std::span(primitives.quadrics));
+    for_each_kind(primitives, [](const auto& some) { check(std::span(some)); });
 }
 
 namespace {
@@ -126,6 +136,10 @@ Eigen::AlignedBox3d box_of(const Primitives& primitives) {
         extend_between(c.a_world, c.b_world, c.radius_a_world, c.radius_b_world);
     for (const ClippedQuadric& q : primitives.quadrics)
         extend(box, q.centre_world, q.axes_world.cwiseAbs().rowwise().sum());
+    for (const Superquadric& s : primitives.superquadrics)
+        extend(box, s.centre_world,
+               {support(s, Vec3d::UnitX()), support(s, Vec3d::UnitY()),
+                support(s, Vec3d::UnitZ())});
     return box;
 }
 
@@ -163,6 +177,7 @@ std::vector<Vec3d> extreme_points(const Primitives& primitives) {
         }
         for (const ClippedQuadric& q : primitives.quadrics)
             offer(q.centre_world + q.axes_world * (q.axes_world.transpose() * d).cwiseSign());
+        for (const Superquadric& s : primitives.superquadrics) offer(farthest_point(s, d));
         if (std::isfinite(farthest)) points.push_back(point);
     }
     return points;

@@ -22,10 +22,10 @@ struct SplatView {
 };
 
 /// Which code meets a splat's rays.
-enum class SplatKind { Sphere, Ellipsoid, Cone, General }; // cylinders are cones
-inline constexpr int splat_kind_count = 4;
+enum class SplatKind { Sphere, Ellipsoid, Cone, General, Superquadric }; // cylinders are cones
+inline constexpr int splat_kind_count = 5;
 /// Floats of a splat, by kind; shaders/quadrics/splat.glsl says which.
-inline constexpr std::array<int, splat_kind_count> splat_floats{12, 24, 20, 36};
+inline constexpr std::array<int, splat_kind_count> splat_floats{12, 24, 20, 36, 24};
 
 /// Pixels from the part's bottom left corner, upwards.
 struct PixelBox {
@@ -48,7 +48,7 @@ struct Splats {
 ///
 /// primitives  checked
 /// returns     those of which some part is in front of the eye and within the part of the picture,
-///             and that no nearer spheres or ellipsoids hide (visible_footprints)
+///             and that no nearer spheres, ellipsoids or superquadrics hide (visible_footprints)
 /// accuracy    rectangles have a 16th of a pixel to spare; differences from the eye are taken in
 ///             double, so that the distance of the scene from the world's origin costs nothing
 Splats splats_of(const Primitives& primitives, const SplatView& view);

@@ -3,8 +3,6 @@
 
 #include "volume/errors.h"
 
-#include <fmt/format.h>
-
 namespace isocast {
 
 namespace {
@@ -14,21 +12,6 @@ NormExponents<double> exponents_of(const Superquadric& superquadric) {
 }
 
 } // namespace
-
-void check(std::span<const Superquadric> superquadrics) {
-    for (std::size_t i = 0; i < superquadrics.size(); ++i) {
-        const Superquadric& s = superquadrics[i];
-        const auto fail = [&](const std::string& cause) {
-            throw InputError(fmt::format("superquadric {}: {}", i, cause));
-        };
-        if (!s.centre_world.allFinite() || !s.axes_world.allFinite()) fail("it is not finite");
-        if (s.axes_world.determinant() == 0) fail("its axes lie in a plane");
-        for (const double exponent : {s.alpha, s.beta})
-            if (!(exponent >= least_superquadric_exponent && exponent <= 1))
-                fail(fmt::format("an exponent is {}, not from {} to 1", exponent,
-                                 least_superquadric_exponent));
-    }
-}
 
 std::optional<Superquadric> superquadric_of(const Vec3d& centre_world, const Mat3d& tensor,
                                             const TensorGlyphLook& look) {
@@ -97,15 +80,11 @@ double support(const Superquadric& superquadric, const Vec3d& n_world) {
         .value;
 }
 
-Eigen::AlignedBox3d box_of(std::span<const Superquadric> superquadrics) {
-    Eigen::AlignedBox3d box;
-    for (const Superquadric& s : superquadrics) {
-        const Vec3d half(support(s, Vec3d::UnitX()), support(s, Vec3d::UnitY()),
-                         support(s, Vec3d::UnitZ()));
-        box.extend(Vec3d(s.centre_world - half));
-        box.extend(Vec3d(s.centre_world + half));
-    }
-    return box;
+Vec3d farthest_point(const Superquadric& superquadric, const Vec3d& n_world) {
+    // The gradient of the dual norm is the point of the unit ball that reaches it.
+    const Vec3d n = superquadric.axes_world.transpose() * n_world;
+    return superquadric.centre_world +
+           superquadric.axes_world * superquadric_norm(n, dual(exponents_of(superquadric))).gradient;
 }
 
 ScreenBounds screen_bounds(const Superquadric& superquadric, const PictureSpace& space) {

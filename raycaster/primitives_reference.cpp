@@ -2,7 +2,7 @@
 #include "raycaster/primitives_reference.h"
 
 #include "quadrics/quadric.h"
-#include "quadrics/screen_bounds.h"
+#include "quadrics/superquadric.h"
 
 #include <tbb/parallel_for.h>
 
@@ -104,7 +104,7 @@ std::vector<SeenPrimitive> cast_primitives(const Primitives& primitives, const C
         const int first_row = strip * rows;
         const int last_row = std::min(first_row + rows, height);
         int number = 0;
-        const auto cast = [&](const auto& some) {
+        for_each_kind(primitives, [&](const auto& some) {
             for (const auto& one : some) {
                 const Window window = window_of(one, picture);
                 for (int y = std::max(window.y_lo, first_row); y < std::min(window.y_hi, last_row);
@@ -130,12 +130,7 @@ std::vector<SeenPrimitive> cast_primitives(const Primitives& primitives, const C
                     }
                 ++number;
             }
-        };
-        cast(primitives.spheres);
-        cast(primitives.ellipsoids);
-        cast(primitives.cylinders);
-        cast(primitives.cones);
-        cast(primitives.quadrics);
+        });
     });
     return seen;
 }

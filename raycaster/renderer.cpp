@@ -32,16 +32,11 @@ bool has_primitives(const Scene& scene) {
 /// By the numbers of splats_of().
 std::vector<Eigen::Vector4f> colours_of(const Primitives& primitives) {
     std::vector<Eigen::Vector4f> colours;
-    const auto append = [&](const auto& some) {
+    for_each_kind(primitives, [&](const auto& some) {
         for (const auto& one : some)
             colours.emplace_back(float(one.colour.x()), float(one.colour.y()),
                                  float(one.colour.z()), 1.0F);
-    };
-    append(primitives.spheres);
-    append(primitives.ellipsoids);
-    append(primitives.cylinders);
-    append(primitives.cones);
-    append(primitives.quadrics);
+    });
     return colours;
 }
 

@@ -72,18 +72,14 @@ void set_splat_uniforms(const gl::Program& program, const FrameContext& frame) {
     set_ray_uniforms(program, frame);
     frame.targets.texture(FrameImage::Splat).bind_to_unit(5);
     constexpr unsigned first_unit = 6;
-    Eigen::Vector4i first_slots = Eigen::Vector4i::Zero();
-    Eigen::Vector4i counts = Eigen::Vector4i::Zero();
     for (const SplatsOnGpu::OfKind& of_kind : frame.seen.splats->kinds) {
         const auto k = static_cast<unsigned>(of_kind.kind);
         of_kind.records.texture.bind_to_unit(first_unit + k);
-        first_slots[k] = of_kind.first_slot;
-        counts[k] = of_kind.count;
+        program.set(fmt::format("u_slots[{}]", k).c_str(),
+                    Eigen::Vector2i(of_kind.first_slot, of_kind.count));
     }
     program.set("u_world_from_view",
                 Eigen::Matrix3f(frame.camera.view_from_world_rotation().transpose().cast<float>()));
-    program.set("u_first_slots", first_slots);
-    program.set("u_counts", counts);
 }
 
 float owner_number(const FrameContext& frame) {
@@ -197,7 +193,7 @@ std::vector<gl::ProgramKey> splat_programs() {
                 keys.push_back(
                     splat_program(static_cast<SplatKind>(k), is_perspective, writes_distance));
         // Kinds add code, each its own: each alone and all together.
-        for (const unsigned kinds : {1U, 2U, 4U, 8U, 15U}) {
+        for (const unsigned kinds : {1U, 2U, 4U, 8U, 16U, 31U}) {
             for (const bool has_fields : {false, true})
                 for (const bool has_gradient : {false, true})
                     for (const bool has_colour : {false, true})

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: MPL-2.0
 #version 450 core
 #include "quadrics/splat.glsl"
+#if KIND == 4
+#include "quadrics/superquadric.glsl"
+#endif
 
 flat in vec4 v_splat[FLOATS4 - PLACE4];
 // WRITES_DISTANCE: along the view, for the least of all to be kept; else the splat's number, with a
@@ -21,6 +24,10 @@ void main() {
 #if KIND == 0
     QuadricHit hit = sphere_hit(v_splat[0], v_splat[1], slope, start);
     o_splat = v_splat[0].y;
+#elif KIND == 4
+    QuadricHit hit = superquadric_hit(
+        superquadric_of(v_splat[0], v_splat[1], v_splat[2], v_splat[3], start), slope);
+    o_splat = v_splat[2].w;
 #else
 #if KIND == 1
     Quadric quadric = ellipsoid_of(v_splat[0], v_splat[1], v_splat[2], v_splat[3], start);

@@ -2,12 +2,14 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "quadrics/splat.glsl"
 //
-// HAS_0 ... HAS_3: whether there are splats of each kind (quadrics/splats.h: SplatKind).
+// HAS_0 ... HAS_4: whether there are splats of each kind (quadrics/splats.h: SplatKind).
+#if HAS_4
+#include "quadrics/superquadric.glsl"
+#endif
 
 layout(binding = 5) uniform sampler2D t_splat; // number + 1; 0: none
-layout(binding = 6) uniform samplerBuffer t_splats[4]; // by kind
-uniform ivec4 u_first_slots; // by kind
-uniform ivec4 u_counts;
+layout(binding = 6) uniform samplerBuffer t_splats[5]; // by kind
+uniform ivec2 u_slots[5]; // by kind: the first, how many
 
 struct Seen {
     QuadricHit hit;
@@ -17,7 +19,7 @@ struct Seen {
 };
 
 bool is_of(int slot, int kind) {
-    return slot >= u_first_slots[kind] && slot < u_first_slots[kind] + u_counts[kind];
+    return slot >= u_slots[kind].x && slot < u_slots[kind].x + u_slots[kind].y;
 }
 
 // The Hessian of f by the length of its gradient.
@@ -33,8 +35,8 @@ mat3 hessian_of(int kind, Quadric quadric, QuadricHit hit) {
 #endif
 }
 
-float width_of(Quadric quadric) {
-    mat3 rows = transpose(quadric.local_from_view);
+float width_of(mat3 local_from_view) {
+    mat3 rows = transpose(local_from_view);
     return 2.0 * inversesqrt(max(max(dot(rows[0], rows[0]), dot(rows[1], rows[1])), dot(rows[2], rows[2])));
 }
 
@@ -56,7 +58,7 @@ Seen seen_splat(int slot) {
     Seen seen = Seen(QuadricHit(nowhere, vec3(0.0), vec3(0.0), false), 0.0, 0.0, mat3(0.0));
 #if HAS_0
     for (bool is_here = is_of(slot, 0); is_here; is_here = seen.number < -1.0) {
-        int at = 3 * (slot - u_first_slots[0]);
+        int at = 3 * (slot - u_slots[0].x);
         vec4 at_eye = texelFetch(t_splats[0], at + 1);
         vec4 sphere = texelFetch(t_splats[0], at + 2);
         QuadricHit hit = sphere_hit(at_eye, sphere, slope, start);
@@ -70,28 +72,28 @@ Seen seen_splat(int slot) {
 #endif
 #if HAS_1
     for (bool is_here = is_of(slot, 1); is_here; is_here = seen.number < -1.0) {
-        int at = 6 * (slot - u_first_slots[1]);
+        int at = 6 * (slot - u_slots[1].x);
         Quadric quadric = ellipsoid_of(texelFetch(t_splats[1], at + 2),
                                        texelFetch(t_splats[1], at + 3),
                                        texelFetch(t_splats[1], at + 4),
                                        texelFetch(t_splats[1], at + 5), start);
         QuadricHit hit = first_hit(ball, quadric, slope, 0.0);
-        seen = Seen(hit, texelFetch(t_splats[1], at + 1).z, width_of(quadric), hessian_of(ball, quadric, hit));
+        seen = Seen(hit, texelFetch(t_splats[1], at + 1).z, width_of(quadric.local_from_view), hessian_of(ball, quadric, hit));
     }
 #endif
 #if HAS_2
     for (bool is_here = is_of(slot, 2); is_here; is_here = seen.number < -1.0) {
-        int at = 5 * (slot - u_first_slots[2]);
+        int at = 5 * (slot - u_slots[2].x);
         Quadric quadric = cone_of(texelFetch(t_splats[2], at + 2),
                                        texelFetch(t_splats[2], at + 3),
                                        texelFetch(t_splats[2], at + 4), start);
         QuadricHit hit = first_hit(cone, quadric, slope, 0.0);
-        seen = Seen(hit, texelFetch(t_splats[2], at + 1).z, width_of(quadric), hessian_of(cone, quadric, hit));
+        seen = Seen(hit, texelFetch(t_splats[2], at + 1).z, width_of(quadric.local_from_view), hessian_of(cone, quadric, hit));
     }
 #endif
 #if HAS_3
     for (bool is_here = is_of(slot, 3); is_here; is_here = seen.number < -1.0) {
-        int at = 9 * (slot - u_first_slots[3]);
+        int at = 9 * (slot - u_slots[3].x);
         Quadric quadric = general_of(texelFetch(t_splats[3], at + 2),
                                        texelFetch(t_splats[3], at + 3),
                                        texelFetch(t_splats[3], at + 4),
@@ -100,7 +102,25 @@ Seen seen_splat(int slot) {
                                        texelFetch(t_splats[3], at + 7),
                                        texelFetch(t_splats[3], at + 8), start);
         QuadricHit hit = first_hit(general, quadric, slope, 0.0);
-        seen = Seen(hit, texelFetch(t_splats[3], at + 1).z, width_of(quadric), hessian_of(general, quadric, hit));
+        seen = Seen(hit, texelFetch(t_splats[3], at + 1).z, width_of(quadric.local_from_view), hessian_of(general, quadric, hit));
+    }
+#endif
+#if HAS_4
+    for (bool is_here = is_of(slot, 4); is_here; is_here = seen.number < -1.0) {
+        int at = 6 * (slot - u_slots[4].x);
+        Superquadric body = superquadric_of(texelFetch(t_splats[4], at + 2),
+                                            texelFetch(t_splats[4], at + 3),
+                                            texelFetch(t_splats[4], at + 4),
+                                            texelFetch(t_splats[4], at + 5), start);
+        QuadricHit hit = superquadric_hit(body, slope);
+#if HAS_HESSIAN
+        mat3 m = body.local_from_view;
+        mat3 hessian = transpose(m) * superquadric_norm_hessian(hit.q, body) * m /
+                       length(transpose(m) * superquadric_norm(hit.q, body).xyz);
+#else
+        mat3 hessian = mat3(0.0);
+#endif
+        seen = Seen(hit, texelFetch(t_splats[4], at + 1).z, width_of(body.local_from_view), hessian);
     }
 #endif
     return seen;

@@ -106,11 +106,12 @@ TEST(SuperquadricBounds, SupportsAreReachedAndNotPassed) {
             EXPECT_LE(n.dot(p), most * (1 + 16 * eps)); // 4 roundings of each norm, and the product
         }
         const Vec3d touched =
-            superquadric_norm(Vec3d(s.axes_world.transpose() * n), dual(e)).gradient;
+            s.axes_world.inverse() * (farthest_point(s, n) - s.centre_world);
         EXPECT_NEAR(n.dot(s.axes_world * touched), most, 16 * eps * most);
-        EXPECT_NEAR(superquadric_norm(touched, e).value, 1, 16 * eps);
+        // Roundings of the centre, in the least of the semi-axes.
+        EXPECT_NEAR(superquadric_norm(touched, e).value, 1, 16 * eps * s.axes_world.inverse().norm());
     }
-    const std::vector<Superquadric> cube{{.alpha = 0.05, .beta = 0.05}};
+    const Primitives cube{.superquadrics = {{.alpha = 0.05, .beta = 0.05}}};
     EXPECT_EQ(box_of(cube).min(), Vec3d::Constant(-1));
     EXPECT_EQ(box_of(cube).max(), Vec3d::Constant(1));
 }

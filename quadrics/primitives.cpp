@@ -91,8 +91,8 @@ void check(std::span<const Superquadric> superquadrics) {
                        : fmt::format("an exponent is {}, not from {} to 1", exponent,
                                      least_superquadric_exponent);
         };
-        return first_of({axes_problem(s.centre_world, s.axes_world), problem_of(s.alpha),
-                         problem_of(s.beta)});
+        return first_of(
+            {axes_problem(s.centre_world, s.axes_world), problem_of(s.alpha), problem_of(s.beta)});
     });
 }
 
@@ -137,9 +137,9 @@ Eigen::AlignedBox3d box_of(const Primitives& primitives) {
     for (const ClippedQuadric& q : primitives.quadrics)
         extend(box, q.centre_world, q.axes_world.cwiseAbs().rowwise().sum());
     for (const Superquadric& s : primitives.superquadrics)
-        extend(box, s.centre_world,
-               {support(s, Vec3d::UnitX()), support(s, Vec3d::UnitY()),
-                support(s, Vec3d::UnitZ())});
+        extend(
+            box, s.centre_world,
+            {support(s, Vec3d::UnitX()), support(s, Vec3d::UnitY()), support(s, Vec3d::UnitZ())});
     return box;
 }
 

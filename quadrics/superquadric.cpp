@@ -84,7 +84,8 @@ Vec3d farthest_point(const Superquadric& superquadric, const Vec3d& n_world) {
     // The gradient of the dual norm is the point of the unit ball that reaches it.
     const Vec3d n = superquadric.axes_world.transpose() * n_world;
     return superquadric.centre_world +
-           superquadric.axes_world * superquadric_norm(n, dual(exponents_of(superquadric))).gradient;
+           superquadric.axes_world *
+               superquadric_norm(n, dual(exponents_of(superquadric))).gradient;
 }
 
 ScreenBounds screen_bounds(const Superquadric& superquadric, const PictureSpace& space) {

@@ -105,11 +105,11 @@ TEST(SuperquadricBounds, SupportsAreReachedAndNotPassed) {
             const Vec3d p = s.axes_world * q / superquadric_norm(q, e).value;
             EXPECT_LE(n.dot(p), most * (1 + 16 * eps)); // 4 roundings of each norm, and the product
         }
-        const Vec3d touched =
-            s.axes_world.inverse() * (farthest_point(s, n) - s.centre_world);
+        const Vec3d touched = s.axes_world.inverse() * (farthest_point(s, n) - s.centre_world);
         EXPECT_NEAR(n.dot(s.axes_world * touched), most, 16 * eps * most);
         // Roundings of the centre, in the least of the semi-axes.
-        EXPECT_NEAR(superquadric_norm(touched, e).value, 1, 16 * eps * s.axes_world.inverse().norm());
+        EXPECT_NEAR(superquadric_norm(touched, e).value, 1,
+                    16 * eps * s.axes_world.inverse().norm());
     }
     const Primitives cube{.superquadrics = {{.alpha = 0.05, .beta = 0.05}}};
     EXPECT_EQ(box_of(cube).min(), Vec3d::Constant(-1));

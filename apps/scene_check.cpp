@@ -75,13 +75,18 @@ void check_object(const SceneFile& scene, std::size_t i, Problems& problems) {
         problems.add(key_of(i, "surface"), "only molecules have such surfaces");
     if (object.time && object.series.empty())
         problems.add(key_of(i, "time"), "only a series has times");
+    if (object.glyphs && !has_field(object))
+        problems.add(key_of(i, "glyphs"), "these stand on a field: a csg, a molecule without a "
+                                          "surface and points have none");
     for (const auto& [key, is_there] : {std::pair{"iso", object.iso_world.has_value()},
-                                        std::pair{"filter", object.filter.has_value()},
-                                        std::pair{"colour", object.colour.has_value()},
-                                        std::pair{"cut_colour", object.cut_colour.has_value()}})
-        if (is_of_primitives(object) && is_there &&
-            !(key == std::string_view("colour") && object.molecule.empty()))
+                                        std::pair{"filter", object.filter.has_value()}})
+        if (is_of_primitives(object) && !has_field(object) && is_there)
             problems.add(key_of(i, key), "for fields: molecules and points are none");
+    if (object.colour && is_of_primitives(object) && object.points.empty())
+        problems.add(key_of(i, "colour"), "molecules and glyphs have colours of their own");
+    if (object.cut_colour && is_of_primitives(object))
+        problems.add(key_of(i, "cut_colour"),
+                     "for fields: molecules, points and glyphs are not cut");
     const Placement unplaced;
     for (const auto& [key, is_there] :
          {std::pair{"iso", object.iso_world.has_value()},
@@ -102,7 +107,7 @@ void check_object(const SceneFile& scene, std::size_t i, Problems& problems) {
                 fmt::format("there is no object '{}' (known: {})", name, fmt::join(known, ", ")));
         } else if (is_of_primitives(scene.objects[*operand])) {
             problems.add(key_of_operands(scene, i),
-                         fmt::format("'{}' is a molecule or points, not a field", name));
+                         fmt::format("'{}' is a molecule, points or glyphs, not a field", name));
         } else if (!object.csg && scene.objects[*operand].csg) {
             problems.add(key_of_operands(scene, i),
                          fmt::format("'{}' is a csg; a morph blends two fields, meshes, morphs or "

@@ -40,6 +40,10 @@ struct SceneObject {
     std::string points;                      // file of points with attributes
     PointLook point_look;                    // of them
 
+    std::optional<int> glyphs; // so many of its curvature, instead of its surface
+    int glyph_seed = 0;
+    std::optional<double> glyph_size_world;
+
     std::optional<int> resolution; // of meshes
     double band_voxels = 3;        // of meshes, half width
     Placement placement;
@@ -134,9 +138,13 @@ void check_scene(const SceneFile& scene);
 /// By its name.
 std::optional<std::size_t> object_named(const SceneFile& scene, const std::string& name);
 
+/// Whether it has a field, which its glyphs stand on if it has some.
+inline bool has_field(const SceneObject& object) {
+    return !object.csg && (object.molecule.empty() || object.surface) && object.points.empty();
+}
 /// Whether it is drawn as primitives, not as a field.
 inline bool is_of_primitives(const SceneObject& object) {
-    return (!object.molecule.empty() && !object.surface) || !object.points.empty();
+    return object.glyphs || (!object.csg && !has_field(object));
 }
 
 /// Names of what an object is made of; none for a field, a mesh or a series.

@@ -204,7 +204,7 @@ SceneTable object_table() {
          special("points", "file", "",
                  "Points from .csv or .ply with columns x, y, z and perhaps radius; red, green, "
                  "blue (to 255) or r, g, b (to 1); txx, tyy, tzz, txy, txz, tyz of a tensor, which "
-                 "is shown as an ellipsoid",
+                 "is shown as a glyph",
                  [](SceneFile& file, std::size_t i, const SceneValue& value, const Path& folder) {
                      const std::string path = resolved(text_of(value), folder);
                      if (!is_point_file(path))
@@ -216,8 +216,24 @@ SceneTable object_table() {
                  }),
          number("radius", point_look(&PointLook::radius_world), positive,
                 "Points: of those without a column `radius`"),
+         number("radius_pixels", point_look(&PointLook::radius_pixels), positive,
+                "Points: of all, in place of their radii, as large near as far; not of tensors"),
+         choice("glyph", point_look(&PointLook::glyph),
+                Names<TensorGlyph>{{"ellipsoid", TensorGlyph::Ellipsoid},
+                                   {"superquadric", TensorGlyph::Superquadric}},
+                "Points: what shows a tensor"),
+         number("sharpness", point_look(&PointLook::sharpness), not_negative,
+                "Points: how fast superquadrics' edges grow with anisotropy; 0 leaves ellipsoids"),
          number("tensor_scale", point_look(&PointLook::tensor_scale), positive,
                 "Points: semi-axes by eigenvalues"),
+         integer(
+             "glyphs", object(&SceneObject::glyphs), {1, 1 << 20},
+             "Fields, meshes, morphs, series, molecules' surfaces: so many ellipsoids of its "
+             "curvature, spread evenly, in place of the surface; for both give the object twice"),
+         integer("glyph_seed", object(&SceneObject::glyph_seed), {},
+                 "Glyphs: other places for another number"),
+         number("glyph_size", object(&SceneObject::glyph_size_world), positive,
+                "Glyphs: the greatest semi-axis [world]; unless said 0.4 of their spacing"),
          integer("resolution", object(&SceneObject::resolution), {},
                  "Meshes: voxels along the longest side, 256 unless said"),
          number("band", object(&SceneObject::band_voxels), Range{.lo = 1},

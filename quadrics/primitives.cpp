@@ -96,11 +96,19 @@ void check(std::span<const Superquadric> superquadrics) {
     });
 }
 
+void check(std::span<const Dot> dots) {
+    check_each("dot", dots, [](const Dot& d) {
+        return first_of({d.centre_world.allFinite() ? "" : "its centre is not finite",
+                         length_problem("its radius", d.radius_pixels)});
+    });
+}
+
 void check(const Primitives& primitives) {
     constexpr std::size_t most = (1U << 24) - 2;
     if (primitives.count() > most)
         throw InputError(fmt::format("{} primitives: {} at most", primitives.count(), most));
     for_each_kind(primitives, [](const auto& some) { check(std::span(some)); });
+    check(std::span(primitives.dots));
 }
 
 namespace {
@@ -120,6 +128,7 @@ Vec3d half_extent_of_disc(const Vec3d& axis, double radius) {
 
 Eigen::AlignedBox3d box_of(const Primitives& primitives) {
     Eigen::AlignedBox3d box;
+    for (const Dot& d : primitives.dots) box.extend(d.centre_world);
     for (const Sphere& s : primitives.spheres)
         extend(box, s.centre_world, Vec3d::Constant(s.radius_world));
     for (const Ellipsoid& e : primitives.ellipsoids)
@@ -162,6 +171,7 @@ std::vector<Vec3d> extreme_points(const Primitives& primitives) {
         const auto offer_disc = [&](const Vec3d& centre, const Vec3d& axis, double radius) {
             offer(centre + radius * (d - axis.dot(d) * axis).stableNormalized());
         };
+        for (const Dot& dot : primitives.dots) offer(dot.centre_world);
         for (const Sphere& s : primitives.spheres) offer(s.centre_world + s.radius_world * d);
         for (const Ellipsoid& e : primitives.ellipsoids)
             offer(e.centre_world +

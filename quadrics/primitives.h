@@ -68,6 +68,14 @@ struct Superquadric {
     Vec3d colour = Vec3d(0.72, 0.6, 0.42);
 };
 
+/// A sphere that is as large on every picture, near or far: the lesser semi-axis of its image has
+/// so many pixels.
+struct Dot {
+    Vec3d centre_world = Vec3d::Zero();
+    double radius_pixels = 1;
+    Vec3d colour = Vec3d(0.72, 0.6, 0.42);
+};
+
 /// throws  InputError that names the first one that cannot be drawn by its index, and why: a length
 ///         that is zero, negative, NaN or infinite, a place that is not finite, axes that lie in a
 ///         plane, a quadric without coefficients, an exponent that is not from 0.05 to 1
@@ -77,6 +85,7 @@ void check(std::span<const Cylinder> cylinders);
 void check(std::span<const Cone> cones);
 void check(std::span<const ClippedQuadric> quadrics);
 void check(std::span<const Superquadric> superquadrics);
+void check(std::span<const Dot> dots);
 
 /// All that a scene draws one by one.
 struct Primitives {
@@ -86,11 +95,12 @@ struct Primitives {
     std::vector<Cone> cones;
     std::vector<ClippedQuadric> quadrics;
     std::vector<Superquadric> superquadrics;
+    std::vector<Dot> dots; // spheres once there is a picture: with_dots_as_spheres()
 
     std::size_t count() const;
 };
 
-/// Calls f with the primitives of each kind, in the order by which all are numbered.
+/// Calls f with the primitives of each kind but dots, in the order by which all are numbered.
 template<class SomePrimitives, class Function>
 void for_each_kind(SomePrimitives& primitives, Function f) {
     f(primitives.spheres);
@@ -102,7 +112,7 @@ void for_each_kind(SomePrimitives& primitives, Function f) {
 }
 
 inline std::size_t Primitives::count() const {
-    std::size_t count = 0;
+    std::size_t count = dots.size();
     for_each_kind(*this, [&](const auto& some) { count += some.size(); });
     return count;
 }
@@ -110,12 +120,13 @@ inline std::size_t Primitives::count() const {
 /// throws  InputError as above, or for more than 2^24 - 2: beyond it floats do not count
 void check(const Primitives& primitives);
 
-/// Along the world's axes, around all of them: tight, but for clipped quadrics that of their boxes.
-/// Empty if there are none.
+/// Along the world's axes, around all of them: tight, but for clipped quadrics that of their boxes,
+/// and of dots that of their centres. Empty if there are none.
 Eigen::AlignedBox3d box_of(const Primitives& primitives);
 
 /// The farthest points of all of them in 128 directions, evenly spread: their convex hull has that
-/// of the primitives within 1.5 % of its width; of clipped quadrics that of their boxes.
+/// of the primitives within 1.5 % of its width; of clipped quadrics that of their boxes,
+/// of dots that of their centres.
 std::vector<Vec3d> extreme_points(const Primitives& primitives);
 
 } // namespace isocast

@@ -247,6 +247,21 @@ void in_parallel(std::size_t count, Function f) {
 
 } // namespace
 
+Primitives with_dots_as_spheres(Primitives primitives, const PictureSpace& space,
+                                double pixels_per_unit) {
+    for (const Dot& dot : primitives.dots) {
+        const double radius = dot.radius_pixels / pixels_per_unit; // of slope, or in the world
+        // Behind the eye as large as in front, for the shadow; at the eye as good as nothing.
+        const double depth = std::abs(in_view(space, dot.centre_world).z());
+        const double radius_world =
+            space.is_perspective ? depth * (radius / std::hypot(1, radius)) : radius;
+        primitives.spheres.push_back(
+            {dot.centre_world, std::max(radius_world, least_glyph_size), dot.colour});
+    }
+    primitives.dots.clear();
+    return primitives;
+}
+
 Splats splats_of(const Primitives& primitives, const SplatView& view) {
     std::vector<Footprint> footprints(primitives.count());
     in_parallel(footprints.size(), [&](std::size_t i) {

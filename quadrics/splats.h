@@ -21,6 +21,17 @@ struct SplatView {
     int height = 1;
 };
 
+/// The primitives with a sphere for each dot, after all others.
+///
+/// With s the slope of its radius, a dot at depth d becomes a sphere of radius d s / sqrt(1 + s^2):
+/// at an angle phi off the axis it is d / cos(phi) away, under a half angle with the sine cos(phi)
+/// s / sqrt(1 + s^2), and the lesser semi-axis of that cone's image is s, whatever phi.
+///
+/// space, pixels_per_unit  of the whole picture, as in SplatView; of the viewer, also for what else
+///                         looks at the scene, such as lights
+Primitives with_dots_as_spheres(Primitives primitives, const PictureSpace& space,
+                                double pixels_per_unit);
+
 /// Which code meets a splat's rays.
 enum class SplatKind { Sphere, Ellipsoid, Cone, General, Superquadric }; // cylinders are cones
 inline constexpr int splat_kind_count = 5;
@@ -46,7 +57,7 @@ struct Splats {
 
 /// Primitives are numbered kind by kind in the order of Primitives.
 ///
-/// primitives  checked
+/// primitives  checked, without dots
 /// returns     those of which some part is in front of the eye and within the part of the picture,
 ///             and that no nearer spheres, ellipsoids or superquadrics hide (visible_footprints)
 /// accuracy    rectangles have a 16th of a pixel to spare; differences from the eye are taken in

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "quadrics/superquadric.h"
 
-#include "volume/errors.h"
-
 namespace isocast {
 
 namespace {
@@ -14,7 +12,7 @@ NormExponents<double> exponents_of(const Superquadric& superquadric) {
 } // namespace
 
 std::optional<Superquadric> superquadric_of(const Vec3d& centre_world, const Mat3d& tensor,
-                                            const TensorGlyphLook& look) {
+                                            const PointLook& look) {
     const TensorAxes axes = axes_of_tensor(tensor);
     const Vec3d lengths = (axes.lengths * look.tensor_scale)
                               .cwiseMax(look.least_axis * look.tensor_scale * axes.lengths[0]);
@@ -36,24 +34,6 @@ std::optional<Superquadric> superquadric_of(const Vec3d& centre_world, const Mat
         superquadric.axes_world.col(k) = axes.directions.col(of) * lengths[of];
     }
     return superquadric;
-}
-
-SuperquadricGlyphs superquadrics_of(const PointData& points, const TensorGlyphLook& look) {
-    const std::vector<Mat3d> tensors = tensors_of(points);
-    if (tensors.empty()) throw InputError("there are no tensors: no columns txx, tyy, …");
-    const std::vector<Vec3d> positions = points.positions_world();
-    const std::vector<Vec3d> colours = colours_of(points, Superquadric{}.colour);
-    SuperquadricGlyphs glyphs;
-    for (std::size_t i = 0; i < tensors.size(); ++i) {
-        std::optional<Superquadric> glyph = superquadric_of(positions[i], tensors[i], look);
-        if (!glyph) {
-            ++glyphs.dropped;
-            continue;
-        }
-        glyph->colour = colours[i];
-        glyphs.superquadrics.push_back(*glyph);
-    }
-    return glyphs;
 }
 
 template<class Real>

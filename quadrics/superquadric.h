@@ -10,16 +10,11 @@
 
 namespace isocast {
 
-struct TensorGlyphLook {
-    double tensor_scale = 1;  // world units per unit of an eigenvalue
-    double sharpness = 3;     // gamma: how fast edges grow with anisotropy; 0 leaves ellipsoids
-    double least_axis = 0.01; // of the greatest semi-axis
-};
-
 /// The superquadric glyph of a symmetric tensor: semi-axes as of primitives_of(); of an isotropic
 /// one a ball, of a linear or planar one a cylinder along its first or third eigenvector, between
 /// them boxes.
 ///
+/// look     its sharpness, gamma, is how fast edges grow with anisotropy; 0 leaves ellipsoids
 /// returns  nothing for a tensor that is smaller than 1e-30
 /// source   Kindlmann 2004, "Superquadric Tensor Glyphs", as its author's Teem has it (ten/glyph.c,
 ///          ten/aniso.c): c_l = (l1 - l2) / sum, c_p = 2 (l2 - l3) / sum; where c_l >= c_p
@@ -28,16 +23,7 @@ struct TensorGlyphLook {
 ///          beta <= alpha. Teem keeps c_l and c_p from 1, we alpha and beta from 0, by 0.05; of
 ///          negative eigenvalues we take the absolute value
 std::optional<Superquadric> superquadric_of(const Vec3d& centre_world, const Mat3d& tensor,
-                                            const TensorGlyphLook& look = {});
-
-struct SuperquadricGlyphs {
-    std::vector<Superquadric> superquadrics;
-    std::size_t dropped = 0; // points with a tensor of zeros
-};
-/// Those of points with tensors, in their order.
-///
-/// throws  InputError if there are no tensors
-SuperquadricGlyphs superquadrics_of(const PointData& points, const TensorGlyphLook& look = {});
+                                            const PointLook& look = {});
 
 /// What first_hit() needs for rays from `origin_world`; differences in double.
 template<class Real>

@@ -3,6 +3,7 @@
 
 #include "quadrics/quadric.h"
 #include "quadrics/superquadric.h"
+#include "raycaster/splats_on_gpu.h"
 
 #include <tbb/parallel_for.h>
 
@@ -88,15 +89,12 @@ Window window_of(const Primitive& primitive, const Picture& picture) {
 
 } // namespace
 
-std::vector<SeenPrimitive> cast_primitives(const Primitives& primitives, const Camera& camera,
+std::vector<SeenPrimitive> cast_primitives(const Primitives& with_dots, const Camera& camera,
                                            int width, int height) {
-    const Picture picture{camera,
-                          width,
-                          height,
-                          height / (2 * camera.half_height_at(1)),
-                          {.eye_world = camera.eye_world,
-                           .view_from_world = camera.view_from_world_rotation(),
-                           .is_perspective = camera.projection == Projection::Perspective}};
+    const Picture picture{camera, width, height, pixels_per_unit(camera, height),
+                          picture_space(camera)};
+    const Primitives primitives =
+        with_dots_as_spheres(with_dots, picture.space, picture.pixels_per_unit);
     std::vector<SeenPrimitive> seen(static_cast<std::size_t>(width) *
                                     static_cast<std::size_t>(height));
     constexpr int rows = 16; // of a strip, that one thread fills

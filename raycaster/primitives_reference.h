@@ -22,9 +22,9 @@ struct SeenPrimitive {
 /// its pixel is near to: of spheres in a cone half as wide again as the one that holds them, of
 /// others in the rectangle of screen_bounds() and 3 pixels around it.
 ///
-/// primitives  checked
+/// with_dots   checked primitives
 /// source      spheres by their closest approach to the ray, others by intersect(), in double
-std::vector<SeenPrimitive> cast_primitives(const Primitives& primitives, const Camera& camera,
+std::vector<SeenPrimitive> cast_primitives(const Primitives& with_dots, const Camera& camera,
                                            int width, int height);
 
 } // namespace isocast

@@ -126,9 +126,11 @@ void Renderer::load(Scene scene, const Progress& progress) {
     objects_ = std::move(loaded);
     scene_ = std::move(scene);
     splat_colours_ = {};
+    primitives_ = scene_.primitives;
     primitives_box_ = {};
     if (has_primitives(scene_)) {
-        const std::vector<Eigen::Vector4f> colours = colours_of(*scene_.primitives);
+        const std::vector<Eigen::Vector4f> colours =
+            colours_of(with_dots_as_spheres(*scene_.primitives, {}, 1));
         splat_colours_ = {std::as_bytes(std::span(colours)), gl::Format::Rgba32f,
                           "colours of primitives"};
         primitives_box_ = box_of(*scene_.primitives);
@@ -173,36 +175,40 @@ void Renderer::check_residence() {
     context_.throw_pending_error();
 }
 
-Eigen::AlignedBox3d Renderer::composed_box() const {
+Eigen::AlignedBox3d Renderer::composed_box(const Eigen::AlignedBox3d& of_primitives) const {
     std::vector<Eigen::AlignedBox3d> boxes;
     for (const auto& object : objects_) {
         boxes.push_back(world_box(object->surface_box(), object->object().field->space()));
     }
-    if (boxes.empty()) return primitives_box_;
-    if (!is_composed(scene_)) return boxes.front().merged(primitives_box_);
+    if (boxes.empty()) return of_primitives;
+    if (!is_composed(scene_)) return boxes.front().merged(of_primitives);
     using Box = Eigen::AlignedBox3d;
     return evaluate(
                tree_of(scene_), std::span<const Box>(boxes),
                [](const Box& a, const Box& b) { return a.merged(b); },
                [](const Box& a, const Box& b) { return a.intersection(b); },
                [](const Box& a, const Box&) { return a; })
-        .merged(primitives_box_);
+        .merged(of_primitives);
 }
 
 bool Renderer::has_surface() const {
-    return has_one_field() ? !at(0).surface_box().is_empty() : !composed_box().isEmpty();
+    return has_one_field() ? !at(0).surface_box().is_empty()
+                           : !composed_box(primitives_box_).isEmpty();
 }
 
 std::array<Vec3d, 8> Renderer::surface_box_world() const {
     if (!has_surface())
         return corners_of(at(0).object().field->extent(), at(0).object().field->space());
     if (has_one_field()) return corners_of(at(0).surface_box(), at(0).object().field->space());
-    return corners_of(composed_box());
+    return corners_of(composed_box(primitives_box_));
 }
 
 std::vector<Vec3d> Renderer::surface_points_world() const {
     if (objects_.empty()) return extreme_points(*scene_.primitives);
-    const std::array<Vec3d, 8> box = surface_box_world();
+    // Of dots where they are, however large the last picture had them.
+    const bool has_dots = has_primitives(scene_) && !scene_.primitives->dots.empty();
+    const std::array<Vec3d, 8> box =
+        has_dots ? corners_of(composed_box(box_of(*scene_.primitives))) : surface_box_world();
     return {box.begin(), box.end()};
 }
 
@@ -222,7 +228,7 @@ SeenScene Renderer::seen_by(const Camera& camera, int width, int height, const P
         runs.push_back(seen.objects.back().places.tile_runs);
     }
     if (has_primitives(scene_)) {
-        seen.splats.emplace(*scene_.primitives, camera, width, height, part);
+        seen.splats.emplace(*primitives_, camera, width, height, part);
         seen.extents_world.push_back(corners_of(primitives_box_));
         runs.push_back(seen.splats->tile_runs);
     }
@@ -242,6 +248,12 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
     const PicturePart part = asked_part.value_or(PicturePart{.width = width, .height = height});
     check_size("drawn at a time:", part.width, part.height, gl::max_image_extent());
     if (objects_.empty() && !has_primitives(scene_)) throw std::logic_error("no scene is loaded");
+    if (has_primitives(scene_) && !scene_.primitives->dots.empty()) {
+        primitives_ = std::make_shared<Primitives>(with_dots_as_spheres(
+            *scene_.primitives, picture_space(camera), pixels_per_unit(camera, height)));
+        primitives_box_ = box_of(*primitives_);
+        shadow_map_.reset();
+    }
     const SeenScene seen = seen_by(camera, width, height, part);
     FrameReport report;
     FrameContext frame{shaders_,

@@ -8,11 +8,8 @@ namespace isocast {
 namespace {
 
 SplatView view_of(const Camera& camera, int width, int height, const PicturePart& part) {
-    const double pixels_per_unit = height / (2 * camera.half_height_at(1));
-    return {.space = {.eye_world = camera.eye_world,
-                      .view_from_world = camera.view_from_world_rotation(),
-                      .is_perspective = camera.projection == Projection::Perspective},
-            .pixels_per_unit = pixels_per_unit,
+    return {.space = picture_space(camera),
+            .pixels_per_unit = pixels_per_unit(camera, height),
             .middle_pixels = Eigen::Vector2d(width, height) / 2 - part.first_pixel(height),
             .width = part.width,
             .height = part.height};
@@ -54,6 +51,16 @@ std::vector<Eigen::Vector4i> runs_of(const std::vector<PixelBox>& boxes, const P
 }
 
 } // namespace
+
+PictureSpace picture_space(const Camera& camera) {
+    return {.eye_world = camera.eye_world,
+            .view_from_world = camera.view_from_world_rotation(),
+            .is_perspective = camera.projection == Projection::Perspective};
+}
+
+double pixels_per_unit(const Camera& camera, int height) {
+    return height / (2 * camera.half_height_at(1));
+}
 
 SplatsOnGpu::SplatsOnGpu(const Primitives& primitives, const Camera& camera, int width, int height,
                          const PicturePart& part) {

@@ -8,9 +8,14 @@
 
 namespace isocast {
 
+PictureSpace picture_space(const Camera& camera);
+/// As in SplatView, of a whole picture.
+double pixels_per_unit(const Camera& camera, int height);
+
 /// The primitives that one camera can see, as shaders/quadrics take them.
 struct SplatsOnGpu {
-    /// part  of a picture of width x height
+    /// primitives  without dots
+    /// part        of a picture of width x height
     SplatsOnGpu(const Primitives& primitives, const Camera& camera, int width, int height,
                 const PicturePart& part);
 

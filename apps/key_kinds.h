@@ -66,6 +66,7 @@ std::string initial(Place place) {
     scene.objects.resize(1);
     scene.camera_keys.resize(1);
     scene.animations.resize(1);
+    scene.cut.planes.resize(1);
     return written(place(scene, std::size_t{0}));
 }
 

@@ -79,14 +79,19 @@ void check_object(const SceneFile& scene, std::size_t i, Problems& problems) {
         problems.add(key_of(i, "surface"), "only molecules have such surfaces");
     if (object.time && object.series.empty())
         problems.add(key_of(i, "time"), "only a series has times");
+    if (object.glyphs && !has_field(object))
+        problems.add(key_of(i, "glyphs"), "these stand on a field: a csg, a molecule without a "
+                                          "surface and points have none");
     for (const auto& [key, is_there] : {std::pair{"iso", object.iso_world.has_value()},
-                                        std::pair{"filter", object.filter.has_value()},
-                                        std::pair{"colour", object.colour.has_value()},
-                                        std::pair{"cut_colour", object.cut_colour.has_value()}})
-        if (is_of_primitives(object) && is_there &&
-            !(key == std::string_view("colour") && object.molecule.empty()))
+                                        std::pair{"filter", object.filter.has_value()}})
+        if (is_of_primitives(object) && !has_field(object) && is_there)
             problems.add(key_of(i, key),
                          "for fields, which molecules, points and triangles are not");
+    if (object.colour && is_of_primitives(object) && object.points.empty() && !object.is_triangles)
+        problems.add(key_of(i, "colour"), "molecules and glyphs have colours of their own");
+    if (object.cut_colour && is_of_primitives(object))
+        problems.add(key_of(i, "cut_colour"),
+                     "for fields: molecules, points, triangles and glyphs are not cut");
     const Placement unplaced;
     for (const auto& [key, is_there] :
          {std::pair{"iso", object.iso_world.has_value()},
@@ -106,8 +111,9 @@ void check_object(const SceneFile& scene, std::size_t i, Problems& problems) {
                 key_of_operands(scene, i),
                 fmt::format("there is no object '{}' (known: {})", name, fmt::join(known, ", ")));
         } else if (is_of_primitives(scene.objects[*operand])) {
-            problems.add(key_of_operands(scene, i),
-                         fmt::format("'{}' is a molecule, points or triangles, not a field", name));
+            problems.add(
+                key_of_operands(scene, i),
+                fmt::format("'{}' is a molecule, points, triangles or glyphs, not a field", name));
         } else if (!object.csg && scene.objects[*operand].csg) {
             problems.add(key_of_operands(scene, i),
                          fmt::format("'{}' is a csg; a morph blends two fields, meshes, morphs or "
@@ -234,6 +240,13 @@ void check_scene(const SceneFile& scene) {
     for (std::size_t i = 0; i < scene.look.lights.size(); ++i)
         if (scene.look.lights[i].shadow != Shadow::None && ++shadows == 2)
             problems.add(fmt::format("light.{}.shadow", i), "one light at most casts shadows");
+    if (scene.cut != Cut{} && std::ranges::none_of(scene.objects, is_of_primitives))
+        problems.add(scene.cut.planes.empty() ? "cut" : "cut.plane.0",
+                     "this opens molecules, points and triangles, and there are none; a csg cuts "
+                     "fields");
+    if (scene.cut.planes.size() > max_cut_planes)
+        problems.add(fmt::format("cut.plane.{}", max_cut_planes),
+                     fmt::format("{} planes at most", max_cut_planes));
     if (scene.output.is_transparent && scene.look.shows_environment)
         problems.add("output.transparent", "a transparent picture cannot show the environment");
     if (const OutputSpec& output = scene.output;

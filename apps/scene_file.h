@@ -42,6 +42,9 @@ struct SceneObject {
 
     bool is_triangles = false;            // of meshes: drawn as they are, not as fields
     std::optional<double> crease_degrees; // of triangles
+    std::optional<int> glyphs;            // so many of its curvature, instead of its surface
+    int glyph_seed = 0;
+    std::optional<double> glyph_size_world;
 
     std::optional<int> resolution; // of meshes
     double band_voxels = 3;        // of meshes, half width
@@ -101,6 +104,7 @@ struct SceneFile {
     std::vector<CameraKey> camera_keys;
     bool has_smooth_path = true; // Catmull-Rom; else linear
     Look look;
+    Cut cut;
     Quality quality;
     StorageOptions storage;
     std::optional<Fetch> fetch; // the fastest
@@ -137,10 +141,14 @@ void check_scene(const SceneFile& scene);
 /// By its name.
 std::optional<std::size_t> object_named(const SceneFile& scene, const std::string& name);
 
+/// Whether it has a field, which its glyphs stand on if it has some.
+inline bool has_field(const SceneObject& object) {
+    return !object.csg && (object.molecule.empty() || object.surface) && object.points.empty() &&
+           !object.is_triangles;
+}
 /// Whether it is drawn as primitives, not as a field.
 inline bool is_of_primitives(const SceneObject& object) {
-    return (!object.molecule.empty() && !object.surface) || !object.points.empty() ||
-           object.is_triangles;
+    return object.glyphs || (!object.csg && !has_field(object));
 }
 
 /// Names of what an object is made of; none for a field, a mesh or a series.

@@ -210,7 +210,7 @@ SceneTable object_table() {
          special("points", "file", "",
                  "Points from .csv or .ply with columns x, y, z and perhaps radius; red, green, "
                  "blue (to 255) or r, g, b (to 1); txx, tyy, tzz, txy, txz, tyz of a tensor, which "
-                 "is shown as an ellipsoid",
+                 "is shown as a glyph",
                  [](SceneFile& file, std::size_t i, const SceneValue& value, const Path& folder) {
                      const std::string path = resolved(text_of(value), folder);
                      if (!is_point_file(path))
@@ -222,8 +222,24 @@ SceneTable object_table() {
                  }),
          number("radius", point_look(&PointLook::radius_world), positive,
                 "Points: of those without a column `radius`"),
+         number("radius_pixels", point_look(&PointLook::radius_pixels), positive,
+                "Points: of all, in place of their radii, as large near as far; not of tensors"),
+         choice("glyph", point_look(&PointLook::glyph),
+                Names<TensorGlyph>{{"ellipsoid", TensorGlyph::Ellipsoid},
+                                   {"superquadric", TensorGlyph::Superquadric}},
+                "Points: what shows a tensor"),
+         number("sharpness", point_look(&PointLook::sharpness), not_negative,
+                "Points: how fast superquadrics' edges grow with anisotropy; 0 leaves ellipsoids"),
          number("tensor_scale", point_look(&PointLook::tensor_scale), positive,
                 "Points: semi-axes by eigenvalues"),
+         integer(
+             "glyphs", object(&SceneObject::glyphs), {1, 1 << 20},
+             "Fields, meshes, morphs, series, molecules' surfaces: so many ellipsoids of its "
+             "curvature, spread evenly, in place of the surface; for both give the object twice"),
+         integer("glyph_seed", object(&SceneObject::glyph_seed), {},
+                 "Glyphs: other places for another number"),
+         number("glyph_size", object(&SceneObject::glyph_size_world), positive,
+                "Glyphs: the greatest semi-axis [world]; unless said 0.4 of their spacing"),
          integer("resolution", object(&SceneObject::resolution), {},
                  "Meshes: voxels along the longest side, 256 unless said"),
          number("band", object(&SceneObject::band_voxels), Range{.lo = 1},
@@ -407,6 +423,32 @@ SceneTable animate_table() {
             [](SceneFile& file, std::size_t n) { file.animations.resize(n); }};
 }
 
+SceneTable cut_table() {
+    constexpr auto cut = within([](SceneFile& file, std::size_t) -> Cut& { return file.cut; });
+    return {"cut",
+            "Opens molecules, points and triangles; fields are cut by a csg.",
+            {choice("look", cut(&Cut::look),
+                    Names<CutLook>{{"inside", CutLook::Inside},
+                                   {"flat", CutLook::Flat},
+                                   {"capped", CutLook::Capped}},
+                    "What shows in a cut: the inner side; that, as flat as the plane; or a cap in "
+                    "the plane, which triangles have none of"),
+             number("near", cut(&Cut::near_world), positive,
+                    "What is nearer to the eye, along the camera's axis, is cut away [world]")}};
+}
+
+SceneTable cut_plane_table() {
+    constexpr auto plane =
+        within([](SceneFile& file, std::size_t i) -> CutPlane& { return file.cut.planes[i]; });
+    return {"cut.plane",
+            "What is in front of a plane is cut away; 8 at most.",
+            {direction("normal", plane(&CutPlane::normal), "Of the plane, towards what goes"),
+             number("offset", plane(&CutPlane::offset_world), {},
+                    "How far along the normal the plane is from the world's origin [world]")},
+            [](const SceneFile& file) { return file.cut.planes.size(); },
+            [](SceneFile& file, std::size_t n) { file.cut.planes.resize(n); }};
+}
+
 } // namespace
 
 const SceneKey* SceneTable::key(std::string_view key_name) const {
@@ -415,9 +457,9 @@ const SceneKey* SceneTable::key(std::string_view key_name) const {
 }
 
 std::vector<SceneTable> scene_tables() {
-    std::vector<SceneTable> tables{object_table(), camera_table(),  camera_key_table(),
-                                   light_table(),  shading_table(), quality_table(),
-                                   output_table(), animate_table()};
+    std::vector<SceneTable> tables{
+        object_table(),    camera_table(),  camera_key_table(), light_table(),  cut_table(),
+        cut_plane_table(), shading_table(), quality_table(),    output_table(), animate_table()};
     for (SceneTable& table : effect_tables()) tables.push_back(std::move(table));
     return tables;
 }

@@ -192,6 +192,29 @@ public:
         return {placed.field, surface.iso_world * object.placement.scale};
     }
 
+    /// Of object i, on its field.
+    std::vector<Ellipsoid> glyphs_of(std::size_t i) {
+        const SceneObject& object = scene_.objects[i];
+        const Surface surface = surface_of(i);
+        const FieldObject on{surface.field, surface.iso_world,
+                             object.filter.value_or(scene_.filter), scene_.derivative_filter};
+        MadeGlyphs& made = kept_.glyphs_[i];
+        if (made.on != on || made.count != *object.glyphs || made.seed != object.glyph_seed ||
+            made.curvature_scale_voxels != scene_.curvature_scale_voxels) {
+            made = {on, *object.glyphs, object.glyph_seed, scene_.curvature_scale_voxels};
+            made.points = curved_points(on, static_cast<std::size_t>(made.count),
+                                        static_cast<std::uint64_t>(made.seed),
+                                        made.curvature_scale_voxels, progress_);
+        }
+        if (made.points.lost > 0)
+            warn(i, fmt::format("{} glyphs found no place on the surface", made.points.lost));
+        // 0.4: the closest pairs are 0.65 of the spacing apart, and few are long towards each
+        // other.
+        return curvature_ellipsoids(
+            made.points.points,
+            {.size_world = object.glyph_size_world.value_or(0.4 * made.points.spacing_world)});
+    }
+
 private:
     /// A blend of what is 0 on the surfaces, each field less its iso value, is 0 where that of the
     /// fields has the blend of the iso values.
@@ -297,10 +320,37 @@ Cylinder moved(Cylinder stick, const Eigen::Affine3d& to_world, double scale) {
     return stick;
 }
 
-Ellipsoid moved(Ellipsoid ellipsoid, const Eigen::Affine3d& to_world, double) {
-    ellipsoid.centre_world = to_world * ellipsoid.centre_world;
-    ellipsoid.axes_world = to_world.linear() * ellipsoid.axes_world;
-    return ellipsoid;
+Dot moved(Dot dot, const Eigen::Affine3d& to_world, double) {
+    dot.centre_world = to_world * dot.centre_world;
+    return dot;
+}
+
+template<class Body> // with axes
+Body moved(Body body, const Eigen::Affine3d& to_world, double) {
+    body.centre_world = to_world * body.centre_world;
+    body.axes_world = to_world.linear() * body.axes_world;
+    return body;
+}
+
+/// Where the scene says a key of an object, for messages.
+std::string place_of(const SceneFile& scene, std::size_t object, const char* key) {
+    const std::string name = fmt::format("object.{}.{}", object, key);
+    const auto place = scene.places.find(name);
+    return place == scene.places.end() ? name : fmt::format("{}: {}", place->second, name);
+}
+
+/// throws  InputError if the points have no use for a key that the object has
+void check_point_keys(const SceneFile& scene, std::size_t i, const PointData& points) {
+    const PointLook& look = scene.objects[i].point_look;
+    const bool has_tensors = points.find("txx") != nullptr;
+    if (look.radius_pixels && has_tensors)
+        throw InputError(fmt::format("{}: the points in {} have tensors, whose glyphs have their "
+                                     "size",
+                                     place_of(scene, i, "radius_pixels"), scene.objects[i].points));
+    if (look.glyph != PointLook{}.glyph && !has_tensors)
+        throw InputError(fmt::format("{}: the points in {} have no tensors (columns txx, tyy, tzz, "
+                                     "txy, txz, tyz)",
+                                     place_of(scene, i, "glyph"), scene.objects[i].points));
 }
 
 /// Appends what an object is drawn as, where the object places it.
@@ -330,6 +380,7 @@ Scene SceneObjects::compose(const SceneFile& scene, const Progress& progress,
     auto primitives = std::make_shared<Primitives>();
     for (std::size_t i = 0; i < scene.objects.size(); ++i) {
         const SceneObject& object = scene.objects[i];
+        if (object.glyphs) append(making.glyphs_of(i), {}, primitives->ellipsoids);
         if (!object.molecule.empty() && !object.surface) {
             const MoleculePrimitives drawn =
                 primitives_of(*molecule_of(object), object.molecule_look);
@@ -337,11 +388,14 @@ Scene SceneObjects::compose(const SceneFile& scene, const Progress& progress,
             append(drawn.sticks, object.placement, primitives->cylinders);
         }
         if (!object.points.empty()) {
+            check_point_keys(scene, i, points_.at(object.points));
             PointLook look = object.point_look;
             look.colour = object.colour.value_or(scene.look.material.colour);
             const PointPrimitives drawn = primitives_of(points_.at(object.points), look);
             append(drawn.spheres, object.placement, primitives->spheres);
+            append(drawn.dots, object.placement, primitives->dots);
             append(drawn.ellipsoids, object.placement, primitives->ellipsoids);
+            append(drawn.superquadrics, object.placement, primitives->superquadrics);
             if (drawn.dropped > 0)
                 warn(fmt::format("{}: {} points of no size are not drawn", name_of(scene, i),
                                  drawn.dropped));
@@ -353,6 +407,7 @@ Scene SceneObjects::compose(const SceneFile& scene, const Progress& progress,
             primitives->meshes.back().colour = object.colour.value_or(scene.look.material.colour);
         }
     if (primitives->count() > 0) out.primitives = std::move(primitives);
+    out.cut = scene.cut;
     return out;
 }
 

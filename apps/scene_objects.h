@@ -5,6 +5,7 @@
 #include "apps/field_series.h"
 #include "apps/inputs.h"
 #include "apps/scene_file.h"
+#include "raycaster/curved_points.h"
 #include "volume/progress.h"
 
 #include <array>
@@ -106,6 +107,14 @@ private:
         std::shared_ptr<const FieldSource> field;
     };
     std::map<std::size_t, MadeSurface> surfaces_; // of molecules, by object
+    struct MadeGlyphs {
+        FieldObject on;
+        int count = 0;
+        int seed = 0;
+        double curvature_scale_voxels = 0;
+        CurvedPoints points;
+    };
+    std::map<std::size_t, MadeGlyphs> glyphs_; // by object
 };
 
 /// The look of the scene. Pictures that are not opaque have no background.

@@ -3,6 +3,7 @@
 
 #include "quadrics/molecule_styles.h" // linear_light
 #include "quadrics/point_parsers.h"
+#include "quadrics/superquadric.h"
 #include "volume/errors.h"
 #include "volume/mapped_file.h"
 #include "volume/volume_file.h" // lower_case
@@ -196,10 +197,20 @@ PointPrimitives primitives_of(const PointData& points, const PointLook& look) {
     for (std::size_t i = 0; i < positions.size(); ++i) {
         if (tensors.empty()) {
             const double r = radius ? (*radius)[i] : look.radius_world;
-            if (r < least_glyph_size)
+            if (look.radius_pixels)
+                primitives.dots.push_back({positions[i], *look.radius_pixels, colours[i]});
+            else if (r < least_glyph_size)
                 ++primitives.dropped;
             else
                 primitives.spheres.push_back({positions[i], r, colours[i]});
+            continue;
+        }
+        if (look.glyph == TensorGlyph::Superquadric) {
+            std::optional<Superquadric> glyph = superquadric_of(positions[i], tensors[i], look);
+            primitives.dropped += !glyph;
+            if (!glyph) continue;
+            glyph->colour = colours[i];
+            primitives.superquadrics.push_back(*glyph);
             continue;
         }
         TensorAxes axes = axes_of_tensor(tensors[i]);

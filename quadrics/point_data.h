@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -50,17 +51,26 @@ std::string point_file_extensions(); // ".ply, .csv"
 // Squares of smaller ones would leave the floats in which pictures are made.
 inline constexpr double least_glyph_size = 1e-30;
 
+/// What shows a tensor.
+enum class TensorGlyph { Ellipsoid, Superquadric };
+
 struct PointLook {
-    double radius_world = 1;               // of points without a column "radius"
+    double radius_world = 1;             // of points without a column "radius"
+    std::optional<double> radius_pixels; // of all points, instead
+    TensorGlyph glyph = TensorGlyph::Ellipsoid;
     double tensor_scale = 1;               // world units per unit of an eigenvalue
-    double least_axis = 0.01;              // of the greatest semi-axis of the same ellipsoid
+    double sharpness = 3;                  // of superquadrics: superquadric_of()
+    double least_axis = 0.01;              // of the greatest semi-axis of the same glyph
     Vec3d colour = Vec3d(0.72, 0.6, 0.42); // linear; of points without colours
 };
 
-/// What shows points, in their order: ellipsoids where there are tensors, else spheres.
+/// What shows points, in their order: ellipsoids or superquadrics where there are tensors, else
+/// spheres or dots.
 struct PointPrimitives {
     std::vector<Sphere> spheres;
+    std::vector<Dot> dots;
     std::vector<Ellipsoid> ellipsoids;
+    std::vector<Superquadric> superquadrics;
     std::size_t dropped = 0; // points of radius 0 or with a tensor of zeros, which show nothing
 };
 
@@ -68,7 +78,7 @@ struct PointPrimitives {
 /// with which a radius does not count; colours "red", "green", "blue" from 0 to 255 or else "r",
 /// "g", "b" from 0 to 1, both sRGB.
 ///
-/// An ellipsoid's semi-axes lie along the tensor's eigenvectors and are as long as the absolute
+/// A glyph's semi-axes lie along the tensor's eigenvectors and are as long as the absolute
 /// values of its eigenvalues, times look.tensor_scale; one shorter than look.least_axis of the
 /// greatest becomes that long, so that linear and planar tensors have a body. What would be smaller
 /// than 1e-30 is dropped as if it were zero.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "quadrics/primitives.h"
 
+#include "quadrics/superquadric.h"
 #include "volume/errors.h"
 
 #include <fmt/format.h>
@@ -82,16 +83,33 @@ void check(std::span<const ClippedQuadric> quadrics) {
     });
 }
 
+void check(std::span<const Superquadric> superquadrics) {
+    check_each("superquadric", superquadrics, [](const Superquadric& s) {
+        const auto problem_of = [](double exponent) {
+            return exponent >= least_superquadric_exponent && exponent <= 1
+                       ? ""
+                       : fmt::format("an exponent is {}, not from {} to 1", exponent,
+                                     least_superquadric_exponent);
+        };
+        return first_of(
+            {axes_problem(s.centre_world, s.axes_world), problem_of(s.alpha), problem_of(s.beta)});
+    });
+}
+
+void check(std::span<const Dot> dots) {
+    check_each("dot", dots, [](const Dot& d) {
+        return first_of({d.centre_world.allFinite() ? "" : "its centre is not finite",
+                         length_problem("its radius", d.radius_pixels)});
+    });
+}
+
 void check(const Primitives& primitives) {
     constexpr std::size_t most = (1U << 24) - 2;
     if (primitives.count() > most)
         throw InputError(fmt::format("{} primitives: {} at most", primitives.count(), most));
-    check(std::span(primitives.spheres));
-    check(std::span(primitives.ellipsoids));
-    check(std::span(primitives.cylinders));
-    check(std::span(primitives.cones));
-    check(std::span(primitives.quadrics));
+    for_each_kind(primitives, [](const auto& some) { check(std::span(some)); });
     check(std::span(primitives.meshes));
+    check(std::span(primitives.dots));
 }
 
 namespace {
@@ -111,6 +129,7 @@ Vec3d half_extent_of_disc(const Vec3d& axis, double radius) {
 
 Eigen::AlignedBox3d box_of(const Primitives& primitives) {
     Eigen::AlignedBox3d box;
+    for (const Dot& d : primitives.dots) box.extend(d.centre_world);
     for (const Sphere& s : primitives.spheres)
         extend(box, s.centre_world, Vec3d::Constant(s.radius_world));
     for (const Ellipsoid& e : primitives.ellipsoids)
@@ -129,7 +148,44 @@ Eigen::AlignedBox3d box_of(const Primitives& primitives) {
         extend(box, q.centre_world, q.axes_world.cwiseAbs().rowwise().sum());
     for (const TriangleMesh& mesh : primitives.meshes)
         for (const Vec3d& vertex : mesh.vertices_world) box.extend(vertex);
+    for (const Superquadric& s : primitives.superquadrics)
+        extend(
+            box, s.centre_world,
+            {support(s, Vec3d::UnitX()), support(s, Vec3d::UnitY()), support(s, Vec3d::UnitZ())});
     return box;
+}
+
+namespace {
+
+/// Of a disc with its middle at c.
+Vec3d farthest_of_disc(const Vec3d& c, const Vec3d& axis, double radius, const Vec3d& d) {
+    return c + radius * (d - axis.dot(d) * axis).stableNormalized();
+}
+
+Vec3d farthest_of_discs(const Vec3d& a, const Vec3d& b, double radius_a, double radius_b,
+                        const Vec3d& d) {
+    const Vec3d axis = (b - a).stableNormalized();
+    const Vec3d at_a = farthest_of_disc(a, axis, radius_a, d);
+    const Vec3d at_b = farthest_of_disc(b, axis, radius_b, d);
+    return d.dot(at_a) > d.dot(at_b) ? at_a : at_b;
+}
+
+} // namespace
+
+Vec3d farthest_point(const Sphere& s, const Vec3d& d) {
+    return s.centre_world + s.radius_world * d.stableNormalized();
+}
+Vec3d farthest_point(const Ellipsoid& e, const Vec3d& d) {
+    return e.centre_world + e.axes_world * (e.axes_world.transpose() * d).stableNormalized();
+}
+Vec3d farthest_point(const Cylinder& c, const Vec3d& d) {
+    return farthest_of_discs(c.a_world, c.b_world, c.radius_world, c.radius_world, d);
+}
+Vec3d farthest_point(const Cone& c, const Vec3d& d) {
+    return farthest_of_discs(c.a_world, c.b_world, c.radius_a_world, c.radius_b_world, d);
+}
+Vec3d farthest_point(const ClippedQuadric& q, const Vec3d& d) {
+    return q.centre_world + q.axes_world * (q.axes_world.transpose() * d).cwiseSign();
 }
 
 std::vector<Vec3d> extreme_points(const Primitives& primitives) {
@@ -148,24 +204,10 @@ std::vector<Vec3d> extreme_points(const Primitives& primitives) {
             farthest = d.dot(p);
             point = p;
         };
-        const auto offer_disc = [&](const Vec3d& centre, const Vec3d& axis, double radius) {
-            offer(centre + radius * (d - axis.dot(d) * axis).stableNormalized());
-        };
-        for (const Sphere& s : primitives.spheres) offer(s.centre_world + s.radius_world * d);
-        for (const Ellipsoid& e : primitives.ellipsoids)
-            offer(e.centre_world +
-                  e.axes_world * (e.axes_world.transpose() * d).stableNormalized());
-        for (const Cylinder& c : primitives.cylinders) {
-            const Vec3d axis = (c.b_world - c.a_world).stableNormalized();
-            for (const Vec3d& end : {c.a_world, c.b_world}) offer_disc(end, axis, c.radius_world);
-        }
-        for (const Cone& c : primitives.cones) {
-            const Vec3d axis = (c.b_world - c.a_world).stableNormalized();
-            offer_disc(c.a_world, axis, c.radius_a_world);
-            offer_disc(c.b_world, axis, c.radius_b_world);
-        }
-        for (const ClippedQuadric& q : primitives.quadrics)
-            offer(q.centre_world + q.axes_world * (q.axes_world.transpose() * d).cwiseSign());
+        for (const Dot& dot : primitives.dots) offer(dot.centre_world);
+        for_each_kind(primitives, [&](const auto& some) {
+            for (const auto& one : some) offer(farthest_point(one, d));
+        });
         for (const TriangleMesh& mesh : primitives.meshes)
             for (const Vec3d& vertex : mesh.vertices_world) offer(vertex);
         if (std::isfinite(farthest)) points.push_back(point);

@@ -1,5 +1,5 @@
-// Surfaces that are drawn one by one: spheres, ellipsoids, cylinders, cones, general quadrics in a
-// box, and triangles.
+// What is drawn one by one: spheres, ellipsoids, cylinders, cones, general quadrics in a box,
+// superquadrics and triangles.
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
@@ -54,14 +54,38 @@ struct ClippedQuadric {
     Vec3d colour = Vec3d(0.72, 0.6, 0.42);
 };
 
+// 2 / 0.05 = 40: edges as round as 1/40 of the size; sharper ones would only alias.
+inline constexpr double least_superquadric_exponent = 0.05;
+
+/// The image by p = centre + axes q of (|q_x|^(2/alpha) + |q_y|^(2/alpha))^(alpha/beta) +
+/// |q_z|^(2/beta) = 1: a ball with alpha = beta = 1, nearly a cylinder along z with alpha = 1 and
+/// a small beta, nearly a box with both small.
+struct Superquadric {
+    Vec3d centre_world = Vec3d::Zero();
+    Mat3d axes_world = Mat3d::Identity(); // columns: the semi-axes
+    double alpha = 1;                     // around z
+    double beta = 1;                      // along z
+    Vec3d colour = Vec3d(0.72, 0.6, 0.42);
+};
+
+/// A sphere that is as large on every picture, near or far: the lesser semi-axis of its image has
+/// so many pixels.
+struct Dot {
+    Vec3d centre_world = Vec3d::Zero();
+    double radius_pixels = 1;
+    Vec3d colour = Vec3d(0.72, 0.6, 0.42);
+};
+
 /// throws  InputError that names the first one that cannot be drawn by its index, and why: a length
 ///         that is zero, negative, NaN or infinite, a place that is not finite, axes that lie in a
-///         plane, a quadric without coefficients
+///         plane, a quadric without coefficients, an exponent that is not from 0.05 to 1
 void check(std::span<const Sphere> spheres);
 void check(std::span<const Ellipsoid> ellipsoids);
 void check(std::span<const Cylinder> cylinders);
 void check(std::span<const Cone> cones);
 void check(std::span<const ClippedQuadric> quadrics);
+void check(std::span<const Superquadric> superquadrics);
+void check(std::span<const Dot> dots);
 
 /// All that a scene draws one by one.
 struct Primitives {
@@ -70,29 +94,55 @@ struct Primitives {
     std::vector<Cylinder> cylinders;
     std::vector<Cone> cones;
     std::vector<ClippedQuadric> quadrics;
+    std::vector<Superquadric> superquadrics;
     std::vector<TriangleMesh> meshes;
+    std::vector<Dot> dots; // spheres once there is a picture: with_dots_as_spheres()
 
-    std::size_t quadric_count() const {
-        return spheres.size() + ellipsoids.size() + cylinders.size() + cones.size() +
-               quadrics.size();
-    }
+    std::size_t solid_count() const; // of all but triangles and dots
     std::size_t triangle_count() const {
         std::size_t sum = 0;
         for (const TriangleMesh& mesh : meshes) sum += mesh.triangles.size();
         return sum;
     }
-    std::size_t count() const { return quadric_count() + triangle_count(); }
+    std::size_t count() const { return solid_count() + triangle_count() + dots.size(); }
 };
+
+/// Calls f with the primitives of each kind but triangles and dots, in the order by which all are
+/// numbered.
+template<class SomePrimitives, class Function>
+void for_each_kind(SomePrimitives& primitives, Function f) {
+    f(primitives.spheres);
+    f(primitives.ellipsoids);
+    f(primitives.cylinders);
+    f(primitives.cones);
+    f(primitives.quadrics);
+    f(primitives.superquadrics);
+}
+
+inline std::size_t Primitives::solid_count() const {
+    std::size_t count = 0;
+    for_each_kind(*this, [&](const auto& some) { count += some.size(); });
+    return count;
+}
+
 /// throws  InputError as above, or for more than 2^24 - 2: beyond it floats do not count
 void check(const Primitives& primitives);
 
-/// Along the world's axes, around all of them: tight for spheres, ellipsoids, cylinders and cones,
-/// for clipped quadrics that of their boxes, for meshes that of their vertices. Empty if there are
-/// none.
+/// Along the world's axes, around all of them: tight, but for clipped quadrics that of their boxes,
+/// and of dots that of their centres. Empty if there are none.
 Eigen::AlignedBox3d box_of(const Primitives& primitives);
 
+/// A point of a primitive that is farthest in the direction d; of clipped quadrics one of their
+/// boxes. That of superquadrics is in superquadric.h.
+Vec3d farthest_point(const Sphere& sphere, const Vec3d& d);
+Vec3d farthest_point(const Ellipsoid& ellipsoid, const Vec3d& d);
+Vec3d farthest_point(const Cylinder& cylinder, const Vec3d& d);
+Vec3d farthest_point(const Cone& cone, const Vec3d& d);
+Vec3d farthest_point(const ClippedQuadric& quadric, const Vec3d& d);
+
 /// The farthest points of all of them in 128 directions, evenly spread: their convex hull has that
-/// of the primitives within 1.5 % of its width; of clipped quadrics that of their boxes.
+/// of the primitives within 1.5 % of its width; of clipped quadrics that of their boxes,
+/// of dots that of their centres.
 std::vector<Vec3d> extreme_points(const Primitives& primitives);
 
 } // namespace isocast

@@ -2,6 +2,7 @@
 #include "quadrics/splats.h"
 
 #include "quadrics/quadric.h"
+#include "quadrics/superquadric.h"
 #include "quadrics/triangle_splats.h"
 #include "quadrics/visibility.h"
 
@@ -26,6 +27,8 @@ template<>
 constexpr SplatKind kind_of<Ellipsoid> = SplatKind::Ellipsoid;
 template<>
 constexpr SplatKind kind_of<ClippedQuadric> = SplatKind::General;
+template<>
+constexpr SplatKind kind_of<Superquadric> = SplatKind::Superquadric;
 
 /// Where a primitive is drawn: a corner and two sides [pixels].
 struct Rectangle {
@@ -92,15 +95,18 @@ Footprint footprint_of(const Sphere& sphere, const SplatView& view) {
     return footprint;
 }
 
-Footprint footprint_of(const Ellipsoid& ellipsoid, const SplatView& view) {
-    const Vec3d centre_view = in_view(view.space, ellipsoid.centre_world);
-    const double half_depth =
-        (ellipsoid.axes_world.transpose() * view.space.view_from_world.row(2).transpose()).norm();
+/// Of one that holds the ellipsoid of the same axes.
+///
+/// half_depth  half its extent along the view
+template<class Primitive>
+Footprint footprint_with_disc(const Primitive& primitive, double half_depth,
+                              const SplatView& view) {
+    const Vec3d centre_view = in_view(view.space, primitive.centre_world);
     Footprint footprint =
-        footprint_of(screen_bounds(ellipsoid, view.space), -centre_view.z() - half_depth, view);
-    // A ray that meets a ball within meets the ellipsoid before it. The norm is not less than the
+        footprint_of(screen_bounds(primitive, view.space), -centre_view.z() - half_depth, view);
+    // A ray that meets a ball within meets the primitive before it. The norm is not less than the
     // greatest singular value.
-    const double radius = 1 / ellipsoid.axes_world.inverse().norm();
+    const double radius = 1 / primitive.axes_world.inverse().norm();
     if (footprint.x_lo <= footprint.x_hi && centre_view.z() + half_depth < 0) {
         const Footprint ball = sphere_footprint(footprint_view(view), centre_view, radius);
         footprint.disc_x = ball.disc_x;
@@ -109,6 +115,17 @@ Footprint footprint_of(const Ellipsoid& ellipsoid, const SplatView& view) {
         footprint.disc_depth = ball.disc_depth;
     }
     return footprint;
+}
+
+Footprint footprint_of(const Ellipsoid& ellipsoid, const SplatView& view) {
+    const Vec3d depth = view.space.view_from_world.row(2).transpose();
+    return footprint_with_disc(ellipsoid, (ellipsoid.axes_world.transpose() * depth).norm(), view);
+}
+
+// With exponents of norms from 2 on, its norm is at most that of the ball.
+Footprint footprint_of(const Superquadric& superquadric, const SplatView& view) {
+    const Vec3d depth = view.space.view_from_world.row(2).transpose();
+    return footprint_with_disc(superquadric, support(superquadric, depth), view);
 }
 
 Footprint footprint_between(const Vec3d& a_world, const Vec3d& b_world, double radius_a,
@@ -140,6 +157,20 @@ Footprint footprint_of(const ClippedQuadric& quadric, const SplatView& view) {
                         -in_view(view.space, quadric.centre_world).z() - half_depth, view);
 }
 
+/// The same of what the planes leave. What is cut hides nothing.
+template<class Primitive>
+Footprint footprint_behind_planes(const Primitive& primitive, const SplatView& view) {
+    bool is_cut = false;
+    for (const CutPlane& plane : view.planes) {
+        const Reach reach = reach_along(primitive, plane.normal);
+        if (reach.least >= plane.offset_world) return nothing;
+        is_cut = is_cut || reach.greatest > plane.offset_world;
+    }
+    Footprint footprint = footprint_of(primitive, view);
+    if (is_cut) footprint.disc_radius = 0;
+    return footprint;
+}
+
 /// A splat's floats, one after the other.
 class Record {
 public:
@@ -164,13 +195,32 @@ void write_splat(const Sphere& sphere, std::uint32_t number, const SplatView& vi
     record.put({o.x(), o.y(), o.z(), r});
 }
 
+/// The floats with which all but spheres begin.
 template<class Primitive>
-void write_splat(const Primitive& primitive, std::uint32_t number, const SplatView& view,
-                 const Footprint&, Record record) {
-    const auto seen = seen_from<double>(quadric_of(primitive), view.space.eye_world);
+void put_rectangle(const Primitive& primitive, std::uint32_t number, const SplatView& view,
+                   Record& record) {
     const Rectangle r = rectangle_of(screen_bounds(primitive, view.space), view);
     record.put({r.corner.x(), r.corner.y(), r.side_a.x(), r.side_a.y()});
     record.put({r.side_b.x(), r.side_b.y(), double(number), 0});
+}
+
+void write_splat(const Superquadric& superquadric, std::uint32_t number, const SplatView& view,
+                 const Footprint&, Record record) {
+    put_rectangle(superquadric, number, view, record);
+    const auto seen = seen_from<double>(superquadric, view.space.eye_world);
+    const Vec3d centre = view.space.view_from_world * seen.centre;
+    const Mat3d m = seen.local_from_world * view.space.view_from_world.transpose();
+    record.put({centre.x(), centre.y(), centre.z(), seen.exponents.p});
+    record.put({m(0, 0), m(0, 1), m(0, 2), seen.exponents.r});
+    record.put({m(1, 0), m(1, 1), m(1, 2), 0});
+    record.put({m(2, 0), m(2, 1), m(2, 2), 0});
+}
+
+template<class Primitive>
+void write_splat(const Primitive& primitive, std::uint32_t number, const SplatView& view,
+                 const Footprint&, Record record) {
+    put_rectangle(primitive, number, view, record);
+    const auto seen = seen_from<double>(quadric_of(primitive), view.space.eye_world);
     const Vec3d centre = view.space.view_from_world * seen.centre;
     record.put({centre.x(), centre.y(), centre.z(), seen.value_at_origin});
     const Mat3d m = seen.local_from_world * view.space.view_from_world.transpose();
@@ -196,16 +246,10 @@ void write_splat(const Primitive& primitive, std::uint32_t number, const SplatVi
 /// Calls f(primitive) with the primitive of a number.
 template<class Function>
 void visit(const Primitives& primitives, std::size_t number, Function f) {
-    const auto is_in = [&](const auto& some) {
-        if (number < some.size()) {
-            f(some[number]);
-            return true;
-        }
-        number -= some.size();
-        return false;
-    };
-    (void)(is_in(primitives.spheres) || is_in(primitives.ellipsoids) ||
-           is_in(primitives.cylinders) || is_in(primitives.cones) || is_in(primitives.quadrics));
+    for_each_kind(primitives, [&](const auto& some) {
+        if (number < some.size()) f(some[number]);
+        number -= some.size(); // the kinds after it are not as large as what that wraps to
+    });
 }
 
 template<class Function>
@@ -218,11 +262,27 @@ void in_parallel(std::size_t count, Function f) {
 
 } // namespace
 
+Primitives with_dots_as_spheres(Primitives primitives, const PictureSpace& space,
+                                double pixels_per_unit) {
+    for (const Dot& dot : primitives.dots) {
+        const double radius = dot.radius_pixels / pixels_per_unit; // of slope, or in the world
+        // Behind the eye as large as in front, for the shadow; at the eye as good as nothing.
+        const double depth = std::abs(in_view(space, dot.centre_world).z());
+        const double radius_world =
+            space.is_perspective ? depth * (radius / std::hypot(1, radius)) : radius;
+        primitives.spheres.push_back(
+            {dot.centre_world, std::max(radius_world, least_glyph_size), dot.colour});
+    }
+    primitives.dots.clear();
+    return primitives;
+}
+
 Splats splats_of(const Primitives& primitives, const SplatView& view) {
-    std::vector<Footprint> footprints(primitives.quadric_count());
+    std::vector<Footprint> footprints(primitives.solid_count());
     in_parallel(footprints.size(), [&](std::size_t i) {
-        visit(primitives, i,
-              [&](const auto& primitive) { footprints[i] = footprint_of(primitive, view); });
+        visit(primitives, i, [&](const auto& primitive) {
+            footprints[i] = footprint_behind_planes(primitive, view);
+        });
     });
     const std::vector<std::uint32_t> visible =
         visible_footprints(footprints, view.width, view.height);
@@ -250,7 +310,7 @@ Splats splats_of(const Primitives& primitives, const SplatView& view) {
         out.boxes.push_back(
             {footprints[i].x_lo, footprints[i].x_hi, footprints[i].y_lo, footprints[i].y_hi});
     for (std::size_t m = 0, number = 0; m < primitives.meshes.size(); ++m) {
-        append_splats(primitives.meshes[m], {primitives.quadric_count() + m, number}, view, out);
+        append_splats(primitives.meshes[m], {primitives.solid_count() + m, number}, view, out);
         number += primitives.meshes[m].triangles.size();
     }
     return out;

@@ -3,7 +3,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
-#include "quadrics/primitives.h"
+#include "quadrics/cut.h"
 #include "quadrics/screen_bounds.h"
 
 #include <array>
@@ -19,13 +19,32 @@ struct SplatView {
     Eigen::Vector2d middle_pixels = Eigen::Vector2d::Zero();
     int width = 1; // of the part [pixels]
     int height = 1;
+    std::vector<CutPlane> planes; // of unit normals, in front of which nothing is drawn
 };
 
+/// The primitives with a sphere for each dot, after all others.
+///
+/// With s the slope of its radius, a dot at depth d becomes a sphere of radius d s / sqrt(1 + s^2):
+/// at an angle phi off the axis it is d / cos(phi) away, under a half angle with the sine cos(phi)
+/// s / sqrt(1 + s^2), and the lesser semi-axis of that cone's image is s, whatever phi.
+///
+/// space, pixels_per_unit  of the whole picture, as in SplatView; of the viewer, also for what else
+///                         looks at the scene, such as lights
+Primitives with_dots_as_spheres(Primitives primitives, const PictureSpace& space,
+                                double pixels_per_unit);
+
 /// Which code meets a splat's rays.
-enum class SplatKind { Sphere, Ellipsoid, Cone, General, Triangle }; // cylinders are cones
-inline constexpr int splat_kind_count = 5;
+enum class SplatKind {
+    Sphere,
+    Ellipsoid,
+    Cone,
+    General,
+    Superquadric,
+    Triangle
+}; // cylinders: cones
+inline constexpr int splat_kind_count = 6;
 /// Floats of a splat, by kind; shaders/quadrics/splat.glsl says which.
-inline constexpr std::array<int, splat_kind_count> splat_floats{12, 24, 20, 36, 24};
+inline constexpr std::array<int, splat_kind_count> splat_floats{12, 24, 20, 36, 24, 24};
 
 /// Pixels from the part's bottom left corner, upwards.
 struct PixelBox {
@@ -46,9 +65,9 @@ struct Splats {
 
 /// Primitives are numbered kind by kind in the order of Primitives; triangles by their meshes.
 ///
-/// primitives  checked
+/// primitives  checked, without dots
 /// returns     those of which some part is in front of the eye and within the part of the picture,
-///             and that no nearer spheres or ellipsoids hide (visible_footprints)
+///             and that no nearer spheres, ellipsoids or superquadrics hide (visible_footprints)
 /// accuracy    rectangles have a 16th of a pixel to spare; differences from the eye are taken in
 ///             double, so that the distance of the scene from the world's origin costs nothing
 Splats splats_of(const Primitives& primitives, const SplatView& view);

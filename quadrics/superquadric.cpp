@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "quadrics/superquadric.h"
 
-#include "volume/errors.h"
-
-#include <fmt/format.h>
-
 namespace isocast {
 
 namespace {
@@ -15,23 +11,8 @@ NormExponents<double> exponents_of(const Superquadric& superquadric) {
 
 } // namespace
 
-void check(std::span<const Superquadric> superquadrics) {
-    for (std::size_t i = 0; i < superquadrics.size(); ++i) {
-        const Superquadric& s = superquadrics[i];
-        const auto fail = [&](const std::string& cause) {
-            throw InputError(fmt::format("superquadric {}: {}", i, cause));
-        };
-        if (!s.centre_world.allFinite() || !s.axes_world.allFinite()) fail("it is not finite");
-        if (s.axes_world.determinant() == 0) fail("its axes lie in a plane");
-        for (const double exponent : {s.alpha, s.beta})
-            if (!(exponent >= least_superquadric_exponent && exponent <= 1))
-                fail(fmt::format("an exponent is {}, not from {} to 1", exponent,
-                                 least_superquadric_exponent));
-    }
-}
-
 std::optional<Superquadric> superquadric_of(const Vec3d& centre_world, const Mat3d& tensor,
-                                            const TensorGlyphLook& look) {
+                                            const PointLook& look) {
     const TensorAxes axes = axes_of_tensor(tensor);
     const Vec3d lengths = (axes.lengths * look.tensor_scale)
                               .cwiseMax(look.least_axis * look.tensor_scale * axes.lengths[0]);
@@ -53,24 +34,6 @@ std::optional<Superquadric> superquadric_of(const Vec3d& centre_world, const Mat
         superquadric.axes_world.col(k) = axes.directions.col(of) * lengths[of];
     }
     return superquadric;
-}
-
-SuperquadricGlyphs superquadrics_of(const PointData& points, const TensorGlyphLook& look) {
-    const std::vector<Mat3d> tensors = tensors_of(points);
-    if (tensors.empty()) throw InputError("there are no tensors: no columns txx, tyy, …");
-    const std::vector<Vec3d> positions = points.positions_world();
-    const std::vector<Vec3d> colours = colours_of(points, Superquadric{}.colour);
-    SuperquadricGlyphs glyphs;
-    for (std::size_t i = 0; i < tensors.size(); ++i) {
-        std::optional<Superquadric> glyph = superquadric_of(positions[i], tensors[i], look);
-        if (!glyph) {
-            ++glyphs.dropped;
-            continue;
-        }
-        glyph->colour = colours[i];
-        glyphs.superquadrics.push_back(*glyph);
-    }
-    return glyphs;
 }
 
 template<class Real>
@@ -97,15 +60,12 @@ double support(const Superquadric& superquadric, const Vec3d& n_world) {
         .value;
 }
 
-Eigen::AlignedBox3d box_of(std::span<const Superquadric> superquadrics) {
-    Eigen::AlignedBox3d box;
-    for (const Superquadric& s : superquadrics) {
-        const Vec3d half(support(s, Vec3d::UnitX()), support(s, Vec3d::UnitY()),
-                         support(s, Vec3d::UnitZ()));
-        box.extend(Vec3d(s.centre_world - half));
-        box.extend(Vec3d(s.centre_world + half));
-    }
-    return box;
+Vec3d farthest_point(const Superquadric& superquadric, const Vec3d& n_world) {
+    // The gradient of the dual norm is the point of the unit ball that reaches it.
+    const Vec3d n = superquadric.axes_world.transpose() * n_world;
+    return superquadric.centre_world +
+           superquadric.axes_world *
+               superquadric_norm(n, dual(exponents_of(superquadric))).gradient;
 }
 
 ScreenBounds screen_bounds(const Superquadric& superquadric, const PictureSpace& space) {

@@ -10,34 +10,11 @@
 
 namespace isocast {
 
-// 2 / 0.05 = 40: edges as round as 1/40 of the size; sharper ones would only alias.
-inline constexpr double least_superquadric_exponent = 0.05;
-
-/// The image by p = centre + axes q of (|q_x|^(2/alpha) + |q_y|^(2/alpha))^(alpha/beta) +
-/// |q_z|^(2/beta) = 1: a ball with alpha = beta = 1, nearly a cylinder along z with alpha = 1 and
-/// a small beta, nearly a box with both small.
-struct Superquadric {
-    Vec3d centre_world = Vec3d::Zero();
-    Mat3d axes_world = Mat3d::Identity(); // columns: the semi-axes
-    double alpha = 1;                     // around z
-    double beta = 1;                      // along z
-    Vec3d colour = Vec3d(0.72, 0.6, 0.42);
-};
-
-/// throws  InputError that names the first one that cannot be drawn by its index, and why: as of
-///         ellipsoids, and exponents that are not from 0.05 to 1
-void check(std::span<const Superquadric> superquadrics);
-
-struct TensorGlyphLook {
-    double tensor_scale = 1;  // world units per unit of an eigenvalue
-    double sharpness = 3;     // gamma: how fast edges grow with anisotropy; 0 leaves ellipsoids
-    double least_axis = 0.01; // of the greatest semi-axis
-};
-
 /// The superquadric glyph of a symmetric tensor: semi-axes as of primitives_of(); of an isotropic
 /// one a ball, of a linear or planar one a cylinder along its first or third eigenvector, between
 /// them boxes.
 ///
+/// look     its sharpness, gamma, is how fast edges grow with anisotropy; 0 leaves ellipsoids
 /// returns  nothing for a tensor that is smaller than 1e-30
 /// source   Kindlmann 2004, "Superquadric Tensor Glyphs", as its author's Teem has it (ten/glyph.c,
 ///          ten/aniso.c): c_l = (l1 - l2) / sum, c_p = 2 (l2 - l3) / sum; where c_l >= c_p
@@ -46,16 +23,7 @@ struct TensorGlyphLook {
 ///          beta <= alpha. Teem keeps c_l and c_p from 1, we alpha and beta from 0, by 0.05; of
 ///          negative eigenvalues we take the absolute value
 std::optional<Superquadric> superquadric_of(const Vec3d& centre_world, const Mat3d& tensor,
-                                            const TensorGlyphLook& look = {});
-
-struct SuperquadricGlyphs {
-    std::vector<Superquadric> superquadrics;
-    std::size_t dropped = 0; // points with a tensor of zeros
-};
-/// Those of points with tensors, in their order.
-///
-/// throws  InputError if there are no tensors
-SuperquadricGlyphs superquadrics_of(const PointData& points, const TensorGlyphLook& look = {});
+                                            const PointLook& look = {});
 
 /// What first_hit() needs for rays from `origin_world`; differences in double.
 template<class Real>
@@ -84,9 +52,8 @@ QuadricDerivatives derivatives(const Superquadric& superquadric, const Vec3d& p_
 ///
 /// source  the dual norm of axes^T n, see dual()
 double support(const Superquadric& superquadric, const Vec3d& n_world);
-
-/// Along the world's axes, around all of them, and touched by them on each side.
-Eigen::AlignedBox3d box_of(std::span<const Superquadric> superquadrics);
+/// A point that reaches it: its only one, but for the edges and faces of the sharpest.
+Vec3d farthest_point(const Superquadric& superquadric, const Vec3d& n_world);
 
 /// Bounds of all that rays from the picture can hit, with sides along the picture's that touch.
 ///

@@ -2,7 +2,8 @@
 #include "raycaster/primitives_reference.h"
 
 #include "quadrics/quadric.h"
-#include "quadrics/screen_bounds.h"
+#include "quadrics/superquadric.h"
+#include "raycaster/splats_on_gpu.h"
 
 #include <tbb/parallel_for.h>
 
@@ -42,16 +43,22 @@ struct Picture {
     }
 };
 
-double first_t(const Sphere& sphere, const Ray& ray) {
+struct RayHit {
+    double t = nowhere;
+    Vec3d normal = Vec3d::Zero();
+};
+
+RayHit hit_of(const Sphere& sphere, const Ray& ray, double t_near) {
     const Vec3d o = sphere.centre_world - ray.origin_world;
     const Vec3d& v = ray.direction_world;
     const double a = v.squaredNorm();
     const double t0 = v.dot(o) / a;
     const double h = sphere.radius_world * sphere.radius_world - (v * t0 - o).squaredNorm();
-    if (h < 0) return nowhere;
+    if (h < 0) return {};
     const double half = std::sqrt(h / a);
-    if (t0 - half >= 0) return t0 - half;
-    return t0 + half >= 0 ? t0 + half : nowhere;
+    const double t = t0 - half >= t_near ? t0 - half : t0 + half;
+    if (t < t_near) return {};
+    return {t, (t * v - o) / sphere.radius_world};
 }
 
 /// The cone that holds the sphere, half as wide again, by its slopes along x and y.
@@ -78,7 +85,7 @@ Window window_of(const Sphere& sphere, const Picture& picture) {
 
 /// By the signs of the volumes that the ray spans with the edges: one through an edge meets both
 /// triangles there.
-double first_t(const Triangle& triangle, const Ray& ray) {
+RayHit hit_of(const Triangle& triangle, const Ray& ray, double t_near) {
     std::array<Vec3d, 3> from_start;
     for (std::size_t k = 0; k < 3; ++k)
         from_start[k] = triangle.corners_world[k] - ray.origin_world;
@@ -91,9 +98,10 @@ double first_t(const Triangle& triangle, const Ray& ray) {
     const bool is_inside = (volumes.array() >= 0).all() || (volumes.array() <= 0).all();
     const Vec3d normal = area_normal(triangle);
     const double slant = normal.dot(v);
-    if (!is_inside || slant == 0) return nowhere;
+    if (!is_inside || slant == 0) return {};
     const double t = normal.dot(from_start[0]) / slant;
-    return t > 0 ? t : nowhere;
+    if (!(t > 0 && t >= t_near)) return {};
+    return {t, normal.stableNormalized()};
 }
 
 Window window_of(const Triangle& triangle, const Picture& picture) {
@@ -116,19 +124,67 @@ Window window_of(const Primitive& primitive, const Picture& picture) {
     return picture.window(box.min().x(), box.max().x(), box.min().y(), box.max().y());
 }
 
+template<class Primitive>
+RayHit hit_of(const Primitive& primitive, const Ray& ray, double t_near) {
+    const auto hit = intersect(primitive, ray.origin_world, ray.direction_world, t_near);
+    return hit ? RayHit{hit->t, hit->normal} : RayHit{};
+}
+
+/// What planes leave of a ray.
+struct Kept {
+    double t_near = 0;
+    double t_far = nowhere;
+    const CutPlane* plane = nullptr; // at t_near
+};
+Kept kept_by(const std::vector<CutPlane>& planes, const Ray& ray) {
+    Kept kept;
+    for (const CutPlane& plane : planes) {
+        const double towards = plane.normal.dot(ray.direction_world);
+        const double room = plane.offset_world - plane.normal.dot(ray.origin_world);
+        const double t = towards == 0 ? (room < 0 ? -1 : nowhere) : room / towards;
+        if (towards >= 0)
+            kept.t_far = std::min(kept.t_far, t);
+        else if (t > kept.t_near)
+            kept = {t, kept.t_far, &plane};
+    }
+    return kept;
+}
+
+/// With the distance by which hits are ordered, less where caps of one plane lie deep inside.
+struct OrderedHit : RayHit {
+    double order = nowhere;
+};
+template<class Primitive>
+OrderedHit cut_hit_of(const Primitive& primitive, const Ray& ray, const Kept& kept, CutLook look) {
+    OrderedHit hit{hit_of(primitive, ray, kept.t_near)};
+    if (kept.plane && look == CutLook::Flat && hit.normal.dot(ray.direction_world) > 0)
+        hit.normal = kept.plane->normal;
+    hit.order = hit.t;
+    if constexpr (!std::is_same_v<Primitive, Triangle>) {
+        const Vec3d at = ray.origin_world + kept.t_near * ray.direction_world;
+        const double depth =
+            kept.plane && look == CutLook::Capped ? depth_inside(primitive, at) : 0;
+        if (depth < 0) {
+            hit.t = kept.t_near;
+            hit.normal = kept.plane->normal;
+            hit.order = hit.t * (1 + 0.5 * depth / (1 - depth));
+        }
+    }
+    return hit.t <= kept.t_far ? hit : OrderedHit{};
+}
+
 } // namespace
 
-std::vector<SeenPrimitive> cast_primitives(const Primitives& primitives, const Camera& camera,
-                                           int width, int height) {
-    const Picture picture{camera,
-                          width,
-                          height,
-                          height / (2 * camera.half_height_at(1)),
-                          {.eye_world = camera.eye_world,
-                           .view_from_world = camera.view_from_world_rotation(),
-                           .is_perspective = camera.projection == Projection::Perspective}};
+std::vector<SeenPrimitive> cast_primitives(const Primitives& with_dots, const Camera& camera,
+                                           int width, int height, const Cut& cut) {
+    const std::vector<CutPlane> planes = planes_of(cut, camera);
+    const Picture picture{camera, width, height, pixels_per_unit(camera, height),
+                          picture_space(camera)};
+    const Primitives primitives =
+        with_dots_as_spheres(with_dots, picture.space, picture.pixels_per_unit);
     std::vector<SeenPrimitive> seen(static_cast<std::size_t>(width) *
                                     static_cast<std::size_t>(height));
+    std::vector<double> orders(seen.size(), nowhere);
     constexpr int rows = 16; // of a strip, that one thread fills
     tbb::parallel_for(0, (height + rows - 1) / rows, [&](int strip) {
         const int first_row = strip * rows;
@@ -139,38 +195,21 @@ std::vector<SeenPrimitive> cast_primitives(const Primitives& primitives, const C
             for (int y = std::max(window.y_lo, first_row); y < std::min(window.y_hi, last_row); ++y)
                 for (int x = window.x_lo; x < window.x_hi; ++x) {
                     const Ray ray = camera_ray(camera, width, height, x + 0.5, y + 0.5);
-                    double t = nowhere;
-                    Vec3d normal = Vec3d::Zero();
-                    using One = std::decay_t<decltype(one)>;
-                    if constexpr (std::is_same_v<One, Sphere>) {
-                        t = first_t(one, ray);
-                        normal = (ray.origin_world - one.centre_world + t * ray.direction_world) /
-                                 one.radius_world;
-                    } else if constexpr (std::is_same_v<One, Triangle>) {
-                        t = first_t(one, ray);
-                        normal = area_normal(one).stableNormalized();
-                    } else if (const auto hit =
-                                   intersect(one, ray.origin_world, ray.direction_world)) {
-                        t = hit->t;
-                        normal = hit->normal;
-                    }
-                    SeenPrimitive& pixel =
-                        seen[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                             static_cast<std::size_t>(x)];
-                    if (t < pixel.t) pixel = {number, t, normal};
+                    const OrderedHit hit = cut_hit_of(one, ray, kept_by(planes, ray), cut.look);
+                    const std::size_t pixel =
+                        static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                        static_cast<std::size_t>(x);
+                    if (!(hit.order < orders[pixel])) continue;
+                    orders[pixel] = hit.order;
+                    seen[pixel] = {number, hit.t, hit.normal};
                 }
         };
-        const auto cast = [&](const auto& some) {
+        for_each_kind(primitives, [&](const auto& some) {
             for (const auto& one : some) {
                 cast_one(one);
                 ++number;
             }
-        };
-        cast(primitives.spheres);
-        cast(primitives.ellipsoids);
-        cast(primitives.cylinders);
-        cast(primitives.cones);
-        cast(primitives.quadrics);
+        });
         for (const TriangleMesh& mesh : primitives.meshes) {
             for (std::size_t i = 0; i < mesh.triangles.size(); ++i) cast_one(triangle_of(mesh, i));
             ++number;

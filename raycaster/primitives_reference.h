@@ -23,10 +23,11 @@ struct SeenPrimitive {
 /// its pixel is near to: of spheres in a cone half as wide again as the one that holds them, of
 /// others in the rectangle of screen_bounds() and 3 pixels around it.
 ///
-/// primitives  checked
+/// with_dots   checked primitives
+/// cut         checked; of caps where a ray is in several solids, that of depth_inside()'s least
 /// source      spheres by their closest approach to the ray, triangles by the volumes that it spans
 ///             with their edges, others by intersect(), in double
-std::vector<SeenPrimitive> cast_primitives(const Primitives& primitives, const Camera& camera,
-                                           int width, int height);
+std::vector<SeenPrimitive> cast_primitives(const Primitives& with_dots, const Camera& camera,
+                                           int width, int height, const Cut& cut = {});
 
 } // namespace isocast

@@ -32,17 +32,14 @@ bool has_primitives(const Scene& scene) {
 /// By the numbers of splats_of().
 std::vector<Eigen::Vector4f> colours_of(const Primitives& primitives) {
     std::vector<Eigen::Vector4f> colours;
-    const auto append = [&](const auto& some) {
+    for_each_kind(primitives, [&](const auto& some) {
         for (const auto& one : some)
             colours.emplace_back(float(one.colour.x()), float(one.colour.y()),
                                  float(one.colour.z()), 1.0F);
-    };
-    append(primitives.spheres);
-    append(primitives.ellipsoids);
-    append(primitives.cylinders);
-    append(primitives.cones);
-    append(primitives.quadrics);
-    append(primitives.meshes);
+    });
+    for (const TriangleMesh& mesh : primitives.meshes)
+        colours.emplace_back(float(mesh.colour.x()), float(mesh.colour.y()), float(mesh.colour.z()),
+                             1.0F);
     return colours;
 }
 
@@ -124,6 +121,7 @@ void Renderer::load(Scene scene, const Progress& progress) {
         throw InputError("coarse bricks cannot have curvatures at a scale");
     check_look(scene.look);
     if (scene.primitives) check(*scene.primitives);
+    check(scene.cut);
     StorageOptions storage = scene.storage;
     storage.budget_bytes /= std::max<std::ptrdiff_t>(std::ssize(objects), 1);
     // What stays the same is kept; other old fields go first, so that they and the new ones are
@@ -147,9 +145,11 @@ void Renderer::load(Scene scene, const Progress& progress) {
     scene_ = std::move(scene);
     splat_colours_ = {};
     triangle_normals_ = {};
+    primitives_ = scene_.primitives;
     primitives_box_ = {};
     if (has_primitives(scene_)) {
-        const std::vector<Eigen::Vector4f> colours = colours_of(*scene_.primitives);
+        const std::vector<Eigen::Vector4f> colours =
+            colours_of(with_dots_as_spheres(*scene_.primitives, {}, 1));
         splat_colours_ = {std::as_bytes(std::span(colours)), gl::Format::Rgba32f,
                           "colours of primitives"};
         if (const auto normals = normals_of(*scene_.primitives); !normals.empty())
@@ -197,36 +197,40 @@ void Renderer::check_residence() {
     context_.throw_pending_error();
 }
 
-Eigen::AlignedBox3d Renderer::composed_box() const {
+Eigen::AlignedBox3d Renderer::composed_box(const Eigen::AlignedBox3d& of_primitives) const {
     std::vector<Eigen::AlignedBox3d> boxes;
     for (const auto& object : objects_) {
         boxes.push_back(world_box(object->surface_box(), object->object().field->space()));
     }
-    if (boxes.empty()) return primitives_box_;
-    if (!is_composed(scene_)) return boxes.front().merged(primitives_box_);
+    if (boxes.empty()) return of_primitives;
+    if (!is_composed(scene_)) return boxes.front().merged(of_primitives);
     using Box = Eigen::AlignedBox3d;
     return evaluate(
                tree_of(scene_), std::span<const Box>(boxes),
                [](const Box& a, const Box& b) { return a.merged(b); },
                [](const Box& a, const Box& b) { return a.intersection(b); },
                [](const Box& a, const Box&) { return a; })
-        .merged(primitives_box_);
+        .merged(of_primitives);
 }
 
 bool Renderer::has_surface() const {
-    return has_one_field() ? !at(0).surface_box().is_empty() : !composed_box().isEmpty();
+    return has_one_field() ? !at(0).surface_box().is_empty()
+                           : !composed_box(primitives_box_).isEmpty();
 }
 
 std::array<Vec3d, 8> Renderer::surface_box_world() const {
     if (!has_surface())
         return corners_of(at(0).object().field->extent(), at(0).object().field->space());
     if (has_one_field()) return corners_of(at(0).surface_box(), at(0).object().field->space());
-    return corners_of(composed_box());
+    return corners_of(composed_box(primitives_box_));
 }
 
 std::vector<Vec3d> Renderer::surface_points_world() const {
     if (objects_.empty()) return extreme_points(*scene_.primitives);
-    const std::array<Vec3d, 8> box = surface_box_world();
+    // Of dots where they are, however large the last picture had them.
+    const bool has_dots = has_primitives(scene_) && !scene_.primitives->dots.empty();
+    const std::array<Vec3d, 8> box =
+        has_dots ? corners_of(composed_box(box_of(*scene_.primitives))) : surface_box_world();
     return {box.begin(), box.end()};
 }
 
@@ -246,7 +250,7 @@ SeenScene Renderer::seen_by(const Camera& camera, int width, int height, const P
         runs.push_back(seen.objects.back().places.tile_runs);
     }
     if (has_primitives(scene_)) {
-        seen.splats.emplace(*scene_.primitives, camera, width, height, part);
+        seen.splats.emplace(*primitives_, cut_planes_, camera, width, height, part);
         if (triangle_normals_.buffer.byte_count() > 0)
             seen.splats->triangle_normals = &triangle_normals_;
         seen.extents_world.push_back(corners_of(primitives_box_));
@@ -268,6 +272,16 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
     const PicturePart part = asked_part.value_or(PicturePart{.width = width, .height = height});
     check_size("drawn at a time:", part.width, part.height, gl::max_image_extent());
     if (objects_.empty() && !has_primitives(scene_)) throw std::logic_error("no scene is loaded");
+    if (has_primitives(scene_) && !scene_.primitives->dots.empty()) {
+        primitives_ = std::make_shared<Primitives>(with_dots_as_spheres(
+            *scene_.primitives, picture_space(camera), pixels_per_unit(camera, height)));
+        primitives_box_ = box_of(*primitives_);
+        shadow_map_.reset();
+    }
+    if (std::vector<CutPlane> planes = planes_of(scene_.cut, camera); planes != cut_planes_) {
+        cut_planes_ = std::move(planes);
+        shadow_map_.reset();
+    }
     const SeenScene seen = seen_by(camera, width, height, part);
     FrameReport report;
     FrameContext frame{shaders_,

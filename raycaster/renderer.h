@@ -98,7 +98,7 @@ private:
     bool has_one_field() const {
         return objects_.size() == 1 && !is_composed(scene_) && primitives_box_.isEmpty();
     }
-    Eigen::AlignedBox3d composed_box() const;
+    Eigen::AlignedBox3d composed_box(const Eigen::AlignedBox3d& of_primitives) const;
 
     SeenScene seen_by(const Camera& camera, int width, int height, const PicturePart& part);
 
@@ -107,9 +107,11 @@ private:
     gl::VertexArray no_vertices_;
     Scene scene_;
     std::vector<std::unique_ptr<LoadedObject>> objects_;
-    NumbersOnGpu splat_colours_;          // by primitive or mesh, if the scene has some
-    NumbersOnGpu triangle_normals_;       // three a triangle, if any mesh has normals
-    Eigen::AlignedBox3d primitives_box_;  // the same; else empty
+    NumbersOnGpu splat_colours_;                   // by primitive or mesh, if the scene has some
+    NumbersOnGpu triangle_normals_;                // three a triangle, if any mesh has normals
+    std::shared_ptr<const Primitives> primitives_; // of the scene, as the last picture had dots
+    std::vector<CutPlane> cut_planes_;             // of these, of the last picture's viewer
+    Eigen::AlignedBox3d primitives_box_;           // of these, if there are some; else empty
     std::optional<LightView> shadow_map_; // where it was drawn from, if it is that of these objects
     FrameTargets targets_;
     LookTextures look_textures_;

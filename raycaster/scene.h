@@ -2,7 +2,7 @@
 // looks. SPDX-License-Identifier: MPL-2.0
 #pragma once
 
-#include "quadrics/primitives.h"
+#include "quadrics/cut.h"
 #include "raycaster/brick_pool.h"
 #include "raycaster/camera.h"
 #include "raycaster/csg.h"
@@ -79,6 +79,7 @@ struct Scene {
     CsgTree tree = {}; // of `objects`; empty: their union
     /// Drawn beside what the tree says of the fields, or alone. With fields, all bricks must fit.
     std::shared_ptr<const Primitives> primitives = {};
+    Cut cut = {}; // of the primitives
 };
 
 /// The objects; none in a scene of primitives alone.

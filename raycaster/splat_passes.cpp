@@ -19,25 +19,42 @@ constexpr int vertex_count(SplatKind kind) {
     return kind == SplatKind::Triangle ? 3 : 6;
 }
 
+/// Of shaders/quadrics/cut.glsl.
+struct CutKind {
+    std::size_t planes = 0;
+    CutLook look = CutLook::Inside;
+};
+void add_defines(Defines& defines, const CutKind& cut) {
+    defines.emplace("CUT_PLANES", std::to_string(cut.planes));
+    defines.emplace("CUT_LOOK", std::to_string(cut.planes == 0 ? 0 : static_cast<int>(cut.look)));
+}
+CutKind cut_kind_of(const FrameContext& frame) {
+    return {frame.seen.splats->planes.size(), frame.scene.cut.look};
+}
+
 /// distance  instead of the splat's number: how far away it is
-gl::ProgramKey splat_program(SplatKind kind, bool is_perspective, bool writes_distance = false) {
+gl::ProgramKey splat_program(SplatKind kind, bool is_perspective, const CutKind& cut,
+                             bool writes_distance = false) {
     const auto k = static_cast<std::size_t>(kind);
-    return {{"quadrics/splat.vert", "quadrics/splat.frag"},
-            {{"KIND", std::to_string(k)},
-             {"FLOATS4", std::to_string(splat_floats[k] / 4)},
-             {"PLACE4", kind == SplatKind::Sphere ? "1" : "2"}, // of the rectangle
-             {"VERTICES", std::to_string(vertex_count(kind))},
-             {"WRITES_DISTANCE", writes_distance ? "1" : "0"},
-             {"IS_PERSPECTIVE", is_perspective ? "1" : "0"}}};
+    Defines defines{{"KIND", std::to_string(k)},
+                    {"FLOATS4", std::to_string(splat_floats[k] / 4)},
+                    {"PLACE4", kind == SplatKind::Sphere ? "1" : "2"}, // of the rectangle
+                    {"VERTICES", std::to_string(vertex_count(kind))},
+                    {"WRITES_DISTANCE", writes_distance ? "1" : "0"},
+                    {"IS_PERSPECTIVE", is_perspective ? "1" : "0"}};
+    add_defines(defines, cut);
+    return {{"quadrics/splat.vert", "quadrics/splat.frag"}, std::move(defines)};
 }
 
 /// kinds  by bits
-Defines defines_of(unsigned kinds, bool is_perspective, bool has_normals, bool has_hessian) {
+Defines defines_of(unsigned kinds, bool is_perspective, const CutKind& cut, bool has_normals,
+                   bool has_hessian) {
     Defines defines{{"IS_PERSPECTIVE", is_perspective ? "1" : "0"},
                     {"HAS_NORMALS", has_normals ? "1" : "0"},
                     {"HAS_HESSIAN", has_hessian ? "1" : "0"}};
     for (unsigned k = 0; k < splat_kind_count; ++k)
         defines.emplace(fmt::format("HAS_{}", k), (kinds >> k & 1) != 0 ? "1" : "0");
+    add_defines(defines, cut);
     return defines;
 }
 
@@ -68,11 +85,22 @@ Defines defines_of(const FrameContext& frame, bool has_hessian) {
     unsigned kinds = 0;
     for (const SplatsOnGpu::OfKind& of_kind : frame.seen.splats->kinds)
         kinds |= 1U << static_cast<unsigned>(of_kind.kind);
-    return defines_of(kinds, is_perspective(frame), has_normals(*frame.seen.splats), has_hessian);
+    return defines_of(kinds, is_perspective(frame), cut_kind_of(frame),
+                      has_normals(*frame.seen.splats), has_hessian);
 }
 
 /// Of shaders/quadrics/splat.glsl.
 void set_ray_uniforms(const gl::Program& program, const FrameContext& frame) {
+    // Not of what bends the same wherever it is hit.
+    const bool has_planes = program.has("u_cut_planes[0]");
+    for (std::size_t i = 0; has_planes && i < frame.seen.splats->planes.size(); ++i) {
+        const CutPlane& plane = frame.seen.splats->planes[i];
+        const Vec3d normal = frame.camera.view_from_world_rotation() * plane.normal;
+        const double offset = plane.offset_world - plane.normal.dot(frame.camera.eye_world);
+        program.set(fmt::format("u_cut_planes[{}]", i).c_str(),
+                    Eigen::Vector4f(
+                        Eigen::Vector4d(normal.x(), normal.y(), normal.z(), offset).cast<float>()));
+    }
     if (!program.has("u_pixel")) return; // flat triangles bend the same for any ray
     program.set("u_middle_pixel", Eigen::Vector2f(0.5F * static_cast<float>(frame.width),
                                                   0.5F * static_cast<float>(frame.height)));
@@ -88,8 +116,8 @@ void set_splat_uniforms(const gl::Program& program, const FrameContext& frame) {
     for (const SplatsOnGpu::OfKind& of_kind : frame.seen.splats->kinds) {
         const auto k = static_cast<unsigned>(of_kind.kind);
         of_kind.records.texture.bind_to_unit(first_unit + k);
-        program.set(fmt::format("u_first_slots[{}]", k).c_str(), of_kind.first_slot);
-        program.set(fmt::format("u_counts[{}]", k).c_str(), of_kind.count);
+        program.set(fmt::format("u_slots[{}]", k).c_str(),
+                    Eigen::Vector2i(of_kind.first_slot, of_kind.count));
     }
     if (has_normals(*frame.seen.splats))
         frame.seen.splats->triangle_normals->texture.bind_to_unit(first_unit + splat_kind_count);
@@ -107,8 +135,8 @@ float owner_number(const FrameContext& frame) {
 template<class Prepare>
 void draw_splats(const FrameContext& frame, bool writes_distance, Prepare prepare) {
     for (const SplatsOnGpu::OfKind& of_kind : frame.seen.splats->kinds) {
-        const gl::Program& program = frame.shaders.program(
-            splat_program(of_kind.kind, is_perspective(frame), writes_distance));
+        const gl::Program& program = frame.shaders.program(splat_program(
+            of_kind.kind, is_perspective(frame), cut_kind_of(frame), writes_distance));
         set_ray_uniforms(program, frame);
         program.set("u_clip_from_pixel",
                     Eigen::Vector2f(2 / static_cast<float>(frame.part.width),
@@ -202,20 +230,27 @@ void draw_splat_derivatives(const FrameContext& frame, int order) {
 std::vector<gl::ProgramKey> splat_programs() {
     std::vector<gl::ProgramKey> keys;
     for (const bool is_perspective : {false, true}) {
-        for (int k = 0; k < splat_kind_count; ++k)
+        for (int k = 0; k < splat_kind_count; ++k) {
+            const auto kind = static_cast<SplatKind>(k);
             for (const bool writes_distance : {false, true})
-                keys.push_back(
-                    splat_program(static_cast<SplatKind>(k), is_perspective, writes_distance));
+                keys.push_back(splat_program(kind, is_perspective, {}, writes_distance));
+            for (const CutLook look : {CutLook::Inside, CutLook::Flat, CutLook::Capped})
+                keys.push_back(splat_program(kind, is_perspective, {2, look}));
+        }
+        for (const CutLook look : {CutLook::Inside, CutLook::Flat, CutLook::Capped})
+            keys.push_back(resolve_program(defines_of(63, is_perspective, {1, look}, true, false),
+                                           true, true, true));
         // Kinds add code, each its own: each alone and all together.
         for (const auto& [kinds, has_normals] : {std::pair{1U, false},
                                                  {2U, false},
                                                  {4U, false},
                                                  {8U, false},
                                                  {16U, false},
-                                                 {16U, true},
-                                                 {31U, true}}) {
+                                                 {32U, false},
+                                                 {32U, true},
+                                                 {63U, true}}) {
             const auto defines = [&, kinds = kinds, has_normals = has_normals](bool has_hessian) {
-                return defines_of(kinds, is_perspective, has_normals, has_hessian);
+                return defines_of(kinds, is_perspective, {}, has_normals, has_hessian);
             };
             for (const bool has_fields : {false, true})
                 for (const bool has_gradient : {false, true})

@@ -7,15 +7,14 @@ namespace isocast {
 
 namespace {
 
-SplatView view_of(const Camera& camera, int width, int height, const PicturePart& part) {
-    const double pixels_per_unit = height / (2 * camera.half_height_at(1));
-    return {.space = {.eye_world = camera.eye_world,
-                      .view_from_world = camera.view_from_world_rotation(),
-                      .is_perspective = camera.projection == Projection::Perspective},
-            .pixels_per_unit = pixels_per_unit,
+SplatView view_of(const Camera& camera, int width, int height, const PicturePart& part,
+                  const std::vector<CutPlane>& planes) {
+    return {.space = picture_space(camera),
+            .pixels_per_unit = pixels_per_unit(camera, height),
             .middle_pixels = Eigen::Vector2d(width, height) / 2 - part.first_pixel(height),
             .width = part.width,
-            .height = part.height};
+            .height = part.height,
+            .planes = planes};
 }
 
 /// The tiles that any of the boxes touches.
@@ -55,9 +54,30 @@ std::vector<Eigen::Vector4i> runs_of(const std::vector<PixelBox>& boxes, const P
 
 } // namespace
 
-SplatsOnGpu::SplatsOnGpu(const Primitives& primitives, const Camera& camera, int width, int height,
-                         const PicturePart& part) {
-    const Splats splats = splats_of(primitives, view_of(camera, width, height, part));
+PictureSpace picture_space(const Camera& camera) {
+    return {.eye_world = camera.eye_world,
+            .view_from_world = camera.view_from_world_rotation(),
+            .is_perspective = camera.projection == Projection::Perspective};
+}
+
+double pixels_per_unit(const Camera& camera, int height) {
+    return height / (2 * camera.half_height_at(1));
+}
+
+std::vector<CutPlane> planes_of(const Cut& cut, const Camera& viewer) {
+    std::vector<CutPlane> planes = cut.planes;
+    for (CutPlane& plane : planes) plane.normal.stableNormalize();
+    if (cut.near_world) {
+        const Vec3d back = viewer.view_from_world_rotation().row(2).transpose();
+        planes.push_back({back, back.dot(viewer.eye_world) - *cut.near_world});
+    }
+    return planes;
+}
+
+SplatsOnGpu::SplatsOnGpu(const Primitives& primitives, std::vector<CutPlane> cut_planes,
+                         const Camera& camera, int width, int height, const PicturePart& part)
+    : planes(std::move(cut_planes)) {
+    const Splats splats = splats_of(primitives, view_of(camera, width, height, part, planes));
     int slot = 0;
     for (std::size_t k = 0; k < splats.records.size(); ++k) {
         const std::vector<float>& records = splats.records[k];

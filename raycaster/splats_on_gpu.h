@@ -8,11 +8,20 @@
 
 namespace isocast {
 
+PictureSpace picture_space(const Camera& camera);
+/// As in SplatView, of a whole picture.
+double pixels_per_unit(const Camera& camera, int height);
+
+/// With unit normals, that near the viewer among them.
+std::vector<CutPlane> planes_of(const Cut& cut, const Camera& viewer);
+
 /// The primitives that one camera can see, as shaders/quadrics take them.
 struct SplatsOnGpu {
-    /// part  of a picture of width x height
-    SplatsOnGpu(const Primitives& primitives, const Camera& camera, int width, int height,
-                const PicturePart& part);
+    /// primitives  without dots
+    /// planes      with unit normals
+    /// part        of a picture of width x height
+    SplatsOnGpu(const Primitives& primitives, std::vector<CutPlane> planes, const Camera& camera,
+                int width, int height, const PicturePart& part);
 
     /// Those of one kind.
     struct OfKind {
@@ -23,6 +32,7 @@ struct SplatsOnGpu {
     };
     std::vector<OfKind> kinds;              // that are there
     std::vector<Eigen::Vector4i> tile_runs; // of tiles that can show one, as TileLists::runs()
+    std::vector<CutPlane> planes;           // that cut them; with unit normals
     std::int64_t byte_count = 0;
     const NumbersOnGpu* triangle_normals = nullptr; // of all corners, if any mesh has normals
 };

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: MPL-2.0
 #version 450 core
 #include "quadrics/splat.glsl"
+#if KIND == 4
+#include "quadrics/superquadric.glsl"
+#endif
 
 flat in vec4 v_splat[FLOATS4 - PLACE4];
 // WRITES_DISTANCE: along the view, for the least of all to be kept; else the splat's number, with a
@@ -18,11 +21,20 @@ layout(location = 0) out float o_splat;
 void main() {
     vec2 slope = ray_slope();
     vec3 start = ray_start();
+    Kept kept = kept_by_planes(slope, start);
 #if KIND == 0
-    QuadricHit hit = sphere_hit(v_splat[0], v_splat[1], slope, start);
+    QuadricHit hit = sphere_hit(v_splat[0], v_splat[1], slope, start, kept.t_near);
+    float depth_inside = depth_inside_sphere(v_splat[1], slope, start, kept.t_near);
     o_splat = v_splat[0].y;
 #elif KIND == 4
+    Superquadric body = superquadric_of(v_splat[0], v_splat[1], v_splat[2], v_splat[3], start);
+    QuadricHit hit = superquadric_hit(body, slope, kept.t_near);
+    float depth_inside = depth_inside_superquadric(body, slope, kept.t_near);
+    o_splat = v_splat[2].w;
+#elif KIND == 5
     QuadricHit hit = triangle_hit(vec4[3](v_splat[0], v_splat[1], v_splat[2]), v_splat[3], ray_at());
+    if (hit.t < kept.t_near) hit.t = nowhere;
+    const float depth_inside = 0.0;
     o_splat = v_splat[2].w;
 #else
 #if KIND == 1
@@ -36,13 +48,15 @@ void main() {
                                  v_splat[6], start);
     const int kind = general;
 #endif
-    QuadricHit hit = first_hit(kind, quadric, slope, 0.0);
+    QuadricHit hit = first_hit(kind, quadric, slope, kept.t_near);
+    float depth_inside = depth_inside_quadric(kind, quadric, slope, kept.t_near);
     o_splat = v_splat[2].w;
 #endif
+    hit = cut_hit(hit, kept, slope, depth_inside);
     if (hit.t >= nowhere) discard;
 #if WRITES_DISTANCE
     o_splat = u_units_per_world * hit.t;
 #else
-    gl_FragDepth = u_depth_unit / hit.t;
+    gl_FragDepth = u_depth_unit / distance_in_order(hit, kept, depth_inside);
 #endif
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 // twin  quadrics/splats.cpp
 #include "common/pixel.glsl"
+#include "quadrics/cut.glsl"
 #include "quadrics/quadric.glsl"
 #include "quadrics/triangle.glsl"
 //
@@ -24,7 +25,7 @@ vec2 ray_at() { return ray_start().xy; }
 // Of every kind the first four floats, and of others than spheres two more, are the rectangle, or of
 // triangles another around them.
 // Spheres: corner, size | f(eye), number, 0, 0 | centre, radius; in view space, from the eye.
-QuadricHit sphere_hit(vec4 at_eye, vec4 sphere, vec2 slope, vec3 start) {
+QuadricHit sphere_hit(vec4 at_eye, vec4 sphere, vec2 slope, vec3 start, float t_near) {
     vec3 o = sphere.xyz - start;
     vec3 v = vec3(slope, -1.0);
     float a = dot(v, v);
@@ -42,10 +43,19 @@ QuadricHit sphere_hit(vec4 at_eye, vec4 sphere, vec2 slope, vec3 start) {
     float q = b + (b < 0.0 ? -half_chord : half_chord);
     float other = gamma / (a * q);
     float first = min(q, other);
-    float t = first >= 0.0 ? first : max(q, other);
+    float t = first >= t_near ? first : max(q, other);
     // By the side of the closest approach that it is on: v t would swallow a small sphere's shape.
-    vec3 normal = (closest.y + v * (first >= 0.0 ? -half_chord : half_chord)) / sphere.w;
-    return QuadricHit(h >= 0.0 && t >= 0.0 ? t : nowhere, normal, normal, false);
+    vec3 normal = (closest.y + v * (first >= t_near ? -half_chord : half_chord)) / sphere.w;
+    return QuadricHit(h >= 0.0 && t >= t_near ? t : nowhere, normal, normal, false);
+}
+
+float depth_inside_sphere(vec4 sphere, vec2 slope, vec3 start, float t) {
+#if CUT_PLANES > 0 && CUT_LOOK == 2
+    vec3 q = (vec3(slope, -1.0) * t - (sphere.xyz - start)) / sphere.w;
+    return dot(q, q) - 1.0;
+#else
+    return 0.0;
+#endif
 }
 
 // Others: corner, side | side, number, 0 | centre, f(eye) | more by kind.

@@ -2,15 +2,17 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "quadrics/splat.glsl"
 //
-// HAS_0 ... HAS_4: whether there are splats of each kind (quadrics/splats.h: SplatKind).
+// HAS_0 ... HAS_5: whether there are splats of each kind (quadrics/splats.h: SplatKind).
 // HAS_NORMALS: whether triangles have normals at corners.
+#if HAS_4
+#include "quadrics/superquadric.glsl"
+#endif
 
 layout(binding = 5) uniform sampler2D t_splat; // number + 1; 0: none
-layout(binding = 6) uniform samplerBuffer t_splats[5]; // by kind
-uniform int u_first_slots[5]; // by kind
-uniform int u_counts[5];
+layout(binding = 6) uniform samplerBuffer t_splats[6]; // by kind
+uniform ivec2 u_slots[6]; // by kind: the first, how many
 #if HAS_NORMALS
-layout(binding = 11) uniform samplerBuffer t_normals; // of corners, world axes
+layout(binding = 12) uniform samplerBuffer t_normals; // of corners, world axes
 #endif
 uniform mat3 u_world_from_view;
 
@@ -22,7 +24,7 @@ struct Seen {
 };
 
 bool is_of(int slot, int kind) {
-    return slot >= u_first_slots[kind] && slot < u_first_slots[kind] + u_counts[kind];
+    return slot >= u_slots[kind].x && slot < u_slots[kind].x + u_slots[kind].y;
 }
 
 // The Hessian of f by the length of its gradient.
@@ -38,8 +40,8 @@ mat3 hessian_of(int kind, Quadric quadric, QuadricHit hit) {
 #endif
 }
 
-float width_of(Quadric quadric) {
-    mat3 rows = transpose(quadric.local_from_view);
+float width_of(mat3 local_from_view) {
+    mat3 rows = transpose(local_from_view);
     return 2.0 * inversesqrt(max(max(dot(rows[0], rows[0]), dot(rows[1], rows[1])), dot(rows[2], rows[2])));
 }
 
@@ -58,15 +60,17 @@ float width_on_picture(Seen seen) {
 Seen seen_splat(int slot) {
     vec2 slope = ray_slope();
     vec3 start = ray_start();
+    Kept kept = kept_by_planes(slope, start);
     Seen seen = Seen(QuadricHit(nowhere, vec3(0.0), vec3(0.0), false), 0.0, 0.0, mat3(0.0));
 #if HAS_0
     for (bool is_here = is_of(slot, 0); is_here; is_here = seen.number < -1.0) {
-        int at = 3 * (slot - u_first_slots[0]);
+        int at = 3 * (slot - u_slots[0].x);
         vec4 at_eye = texelFetch(t_splats[0], at + 1);
         vec4 sphere = texelFetch(t_splats[0], at + 2);
-        QuadricHit hit = sphere_hit(at_eye, sphere, slope, start);
+        QuadricHit hit = sphere_hit(at_eye, sphere, slope, start, kept.t_near);
+        hit = cut_hit(hit, kept, slope, depth_inside_sphere(sphere, slope, start, kept.t_near));
 #if HAS_HESSIAN
-        mat3 hessian = (mat3(1.0) - outerProduct(hit.normal, hit.normal)) / sphere.w;
+        mat3 hessian = hit.is_cap ? mat3(0.0) : (mat3(1.0) - outerProduct(hit.normal, hit.normal)) / sphere.w;
 #else
         mat3 hessian = mat3(0.0);
 #endif
@@ -75,28 +79,30 @@ Seen seen_splat(int slot) {
 #endif
 #if HAS_1
     for (bool is_here = is_of(slot, 1); is_here; is_here = seen.number < -1.0) {
-        int at = 6 * (slot - u_first_slots[1]);
+        int at = 6 * (slot - u_slots[1].x);
         Quadric quadric = ellipsoid_of(texelFetch(t_splats[1], at + 2),
                                        texelFetch(t_splats[1], at + 3),
                                        texelFetch(t_splats[1], at + 4),
                                        texelFetch(t_splats[1], at + 5), start);
-        QuadricHit hit = first_hit(ball, quadric, slope, 0.0);
-        seen = Seen(hit, texelFetch(t_splats[1], at + 1).z, width_of(quadric), hessian_of(ball, quadric, hit));
+        QuadricHit hit = first_hit(ball, quadric, slope, kept.t_near);
+        hit = cut_hit(hit, kept, slope, depth_inside_quadric(ball, quadric, slope, kept.t_near));
+        seen = Seen(hit, texelFetch(t_splats[1], at + 1).z, width_of(quadric.local_from_view), hessian_of(ball, quadric, hit));
     }
 #endif
 #if HAS_2
     for (bool is_here = is_of(slot, 2); is_here; is_here = seen.number < -1.0) {
-        int at = 5 * (slot - u_first_slots[2]);
+        int at = 5 * (slot - u_slots[2].x);
         Quadric quadric = cone_of(texelFetch(t_splats[2], at + 2),
                                        texelFetch(t_splats[2], at + 3),
                                        texelFetch(t_splats[2], at + 4), start);
-        QuadricHit hit = first_hit(cone, quadric, slope, 0.0);
-        seen = Seen(hit, texelFetch(t_splats[2], at + 1).z, width_of(quadric), hessian_of(cone, quadric, hit));
+        QuadricHit hit = first_hit(cone, quadric, slope, kept.t_near);
+        hit = cut_hit(hit, kept, slope, depth_inside_quadric(cone, quadric, slope, kept.t_near));
+        seen = Seen(hit, texelFetch(t_splats[2], at + 1).z, width_of(quadric.local_from_view), hessian_of(cone, quadric, hit));
     }
 #endif
 #if HAS_3
     for (bool is_here = is_of(slot, 3); is_here; is_here = seen.number < -1.0) {
-        int at = 9 * (slot - u_first_slots[3]);
+        int at = 9 * (slot - u_slots[3].x);
         Quadric quadric = general_of(texelFetch(t_splats[3], at + 2),
                                        texelFetch(t_splats[3], at + 3),
                                        texelFetch(t_splats[3], at + 4),
@@ -104,23 +110,45 @@ Seen seen_splat(int slot) {
                                        texelFetch(t_splats[3], at + 6),
                                        texelFetch(t_splats[3], at + 7),
                                        texelFetch(t_splats[3], at + 8), start);
-        QuadricHit hit = first_hit(general, quadric, slope, 0.0);
-        seen = Seen(hit, texelFetch(t_splats[3], at + 1).z, width_of(quadric), hessian_of(general, quadric, hit));
+        QuadricHit hit = first_hit(general, quadric, slope, kept.t_near);
+        hit = cut_hit(hit, kept, slope, depth_inside_quadric(general, quadric, slope, kept.t_near));
+        seen = Seen(hit, texelFetch(t_splats[3], at + 1).z, width_of(quadric.local_from_view), hessian_of(general, quadric, hit));
     }
 #endif
 #if HAS_4
     for (bool is_here = is_of(slot, 4); is_here; is_here = seen.number < -1.0) {
-        int at = 6 * (slot - u_first_slots[4]);
-        vec2 numbers = texelFetch(t_splats[4], at + 1).zw;
-        QuadricHit hit = triangle_hit(vec4[3](texelFetch(t_splats[4], at + 2),
-                                              texelFetch(t_splats[4], at + 3),
-                                              texelFetch(t_splats[4], at + 4)),
-                                      texelFetch(t_splats[4], at + 5), ray_at());
+        int at = 6 * (slot - u_slots[4].x);
+        Superquadric body = superquadric_of(texelFetch(t_splats[4], at + 2),
+                                            texelFetch(t_splats[4], at + 3),
+                                            texelFetch(t_splats[4], at + 4),
+                                            texelFetch(t_splats[4], at + 5), start);
+        QuadricHit hit = superquadric_hit(body, slope, kept.t_near);
+        hit = cut_hit(hit, kept, slope, depth_inside_superquadric(body, slope, kept.t_near));
+#if HAS_HESSIAN
+        mat3 m = body.local_from_view;
+        mat3 hessian = hit.is_cap ? mat3(0.0) : transpose(m) * superquadric_norm_hessian(hit.q, body) * m /
+                       length(transpose(m) * superquadric_norm(hit.q, body).xyz);
+#else
+        mat3 hessian = mat3(0.0);
+#endif
+        seen = Seen(hit, texelFetch(t_splats[4], at + 1).z, width_of(body.local_from_view), hessian);
+    }
+#endif
+#if HAS_5
+    for (bool is_here = is_of(slot, 5); is_here; is_here = seen.number < -1.0) {
+        int at = 6 * (slot - u_slots[5].x);
+        vec2 numbers = texelFetch(t_splats[5], at + 1).zw;
+        QuadricHit hit = triangle_hit(vec4[3](texelFetch(t_splats[5], at + 2),
+                                              texelFetch(t_splats[5], at + 3),
+                                              texelFetch(t_splats[5], at + 4)),
+                                      texelFetch(t_splats[5], at + 5), ray_at());
+        if (hit.t < kept.t_near) hit.t = nowhere;
+        hit = cut_hit(hit, kept, slope, 0.0);
 #if HAS_NORMALS
         int corner = 3 * int(numbers.y);
         mat3 normals = mat3(texelFetch(t_normals, corner).xyz, texelFetch(t_normals, corner + 1).xyz,
                             texelFetch(t_normals, corner + 2).xyz);
-        hit.normal = smooth_normal(hit, transpose(u_world_from_view) * normals, vec3(slope, -1.0));
+        if (!hit.is_cap) hit.normal = smooth_normal(hit, transpose(u_world_from_view) * normals, vec3(slope, -1.0));
 #endif
         seen = Seen(hit, numbers.x, nowhere, mat3(0.0)); // flat, and no thin thing
     }

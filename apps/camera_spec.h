@@ -17,6 +17,8 @@ struct CameraSpec {
     std::optional<Vec3d> up;
     std::optional<double> fov_y_degrees;
     std::optional<double> height_world; // orthographic
+    bool is_stereo = false;
+    std::optional<double> eye_separation_world; // of a stereo pair; else by the target's distance
 };
 
 /// Pairs key=value separated by ';'. Keys: eye, target, direction, up (x,y,z), fov [degrees],

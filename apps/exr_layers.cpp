@@ -23,13 +23,14 @@ Eigen::Matrix4d camera_from_world(const Camera& camera) {
 
 /// The third row is a depth that grows away from the eye: nothing reads it, but without it the
 /// matrix would have no inverse.
-Eigen::Matrix4d ndc_from_camera(const Camera& camera, double aspect) {
+Eigen::Matrix4d ndc_from_camera(const Camera& camera, double aspect, double off_axis) {
     Eigen::Matrix4d matrix = Eigen::Matrix4d::Zero();
     if (camera.projection == Projection::Perspective) {
         const double tan_y = camera.half_height_at(1);
         matrix(0, 0) = 1 / (tan_y * aspect);
         matrix(1, 1) = 1 / tan_y;
-        matrix(2, 3) = -1; // -1 / distance
+        matrix(0, 2) = -off_axis; // z is negative in front
+        matrix(2, 3) = -1;        // -1 / distance
         matrix(3, 2) = -1;
     } else {
         matrix(0, 0) = 2 / (camera.height_world * aspect);
@@ -72,7 +73,7 @@ std::vector<FrameImage> images_of(const ExrLayers& layers) {
 }
 
 ExrImage exr_image(const FrameImages& frame, const Camera& camera, const ExrLayers& layers,
-                   const std::optional<double>& aspect) {
+                   const std::optional<double>& aspect, double off_axis) {
     const Image& hits = frame.at(FrameImage::Hit);
     ExrImage exr{.width = hits.width,
                  .height = hits.height,
@@ -157,7 +158,8 @@ ExrImage exr_image(const FrameImages& frame, const Camera& camera, const ExrLaye
     const Eigen::Matrix4d world_to_camera = camera_from_world(camera);
     exr.matrices["worldToCamera"] = world_to_camera.cast<float>();
     exr.matrices["worldToNDC"] =
-        (ndc_from_camera(camera, aspect.value_or(double(exr.width) / exr.height)) * world_to_camera)
+        (ndc_from_camera(camera, aspect.value_or(double(exr.width) / exr.height), off_axis) *
+         world_to_camera)
             .cast<float>();
     return exr;
 }

@@ -45,8 +45,9 @@ std::vector<FrameImage> images_of(const ExrLayers& layers);
 /// misses), the layers asked for, and the attributes worldToCamera (the camera looks down its -z)
 /// and worldToNDC (x to the right and y upwards, in -1 … 1 over the picture).
 ///
-/// aspect  of the picture, where `frame` shows some rows of it
+/// aspect    of the picture, where `frame` shows some rows of it
+/// off_axis  as PictureView has it
 ExrImage exr_image(const FrameImages& frame, const Camera& camera, const ExrLayers& layers,
-                   const std::optional<double>& aspect = {});
+                   const std::optional<double>& aspect = {}, double off_axis = 0);
 
 } // namespace isocast

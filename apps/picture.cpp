@@ -12,12 +12,12 @@ namespace isocast {
 namespace {
 
 /// One frame, drawn `repeat` times: the median of each pass's times.
-FrameReport draw_frame(Renderer& renderer, const Camera& camera, const PictureRequest& request,
+FrameReport draw_frame(Renderer& renderer, const PictureView& view, const PictureRequest& request,
                        const ImageSet& wanted, const PicturePart& part) {
     FrameReport report;
     std::vector<std::vector<double>> times;
     for (int frame = 0; frame < request.repeat; ++frame) {
-        report = renderer.draw(camera, request.width, request.height, wanted, part);
+        report = renderer.draw(view.camera, view.picture_width, request.height, wanted, part);
         times.resize(report.passes.size());
         for (std::size_t i = 0; i < times.size(); ++i)
             times[i].push_back(report.passes[i].milliseconds);
@@ -67,12 +67,12 @@ PicturePart grown(const PicturePart& part, int reach, int width, int height) {
     return out;
 }
 
-/// Adds `weight` times the pixels of `part`, out of `drawn` which shows `around`, to their place in
-/// rows that start at the part's.
-void add_pixels(Image& rows, const Image& drawn, const PicturePart& part, const PicturePart& around,
+/// Adds `weight` times the pixels of a part, out of `drawn` which has them from (x, y) on, to their
+/// place in rows that start at the part's.
+void add_pixels(Image& rows, const Image& drawn, const PicturePart& part, int x, int y_first,
                 float weight) {
     for (int y = 0; y < part.height; ++y) {
-        const float* from = drawn.pixel(part.x - around.x, part.y - around.y + y);
+        const float* from = drawn.pixel(x, y_first + y);
         float* to = const_cast<float*>(rows.pixel(part.x, y));
         for (int i = 0; i < 4 * part.width; ++i) to[i] += weight * from[i];
     }
@@ -139,8 +139,9 @@ std::vector<PicturePart> parts_of(int width, int height, int edge, int limit) {
     return parts;
 }
 
-FrameReport draw_picture(Renderer& renderer, const Camera& camera, const PictureRequest& request,
-                         const std::function<void(const FrameImages&)>& write,
+FrameReport draw_picture(Renderer& renderer, const std::vector<PictureView>& views,
+                         const PictureRequest& request,
+                         const std::function<void(const std::vector<FrameImages>&)>& write,
                          const Progress& progress) {
     ImageSet others;
     for (const FrameImage image : request.others) others.insert(image);
@@ -151,38 +152,53 @@ FrameReport draw_picture(Renderer& renderer, const Camera& camera, const Picture
         parts_of(request.width, request.height, request.tile_pixels,
                  gl::max_image_extent() - 2 * (reach + 1));
     FrameReport report;
-    FrameImages rows;
+    std::vector<FrameImages> rows(views.size());
     // One frame for all where it shows the pixels' middles.
     const bool is_one_frame = request.has_beauty && request.samples == 1;
     const std::size_t frames_of_part = (is_one_frame || !request.others.empty()) +
                                        (request.has_beauty && !is_one_frame ? shifts.size() : 0);
     int drawn = 0;
-    for (const PicturePart& part : parts) {
-        if (part.x == 0) rows = black_rows(request, part.height);
-        PicturePart around = grown(part, reach, request.width, request.height);
-        const auto draw = [&](const ImageSet& wanted) {
+    const auto draw_part = [&](const PictureView& view, const PicturePart& part,
+                               FrameImages& rows_of_view) {
+        const double first = std::floor(view.first_pixel);
+        PicturePart in_picture = part;
+        in_picture.x += static_cast<int>(first);
+        PicturePart around = grown(in_picture, reach, view.picture_width, request.height);
+        const Eigen::Vector2d middle(view.first_pixel - first, 0);
+        const auto draw = [&](const ImageSet& wanted, const Eigen::Vector2d& shift) {
             if (progress)
-                progress("drawing", double(drawn++) / double(parts.size() * frames_of_part));
-            add(report, draw_frame(renderer, camera, request, wanted, around));
+                progress("drawing",
+                         double(drawn++) / double(parts.size() * views.size() * frames_of_part));
+            around.shift = middle + shift;
+            add(report, draw_frame(renderer, view, request, wanted, around));
         };
         const auto add_to_rows = [&](FrameImage image, float weight) {
-            add_pixels(rows.at(image), renderer.read(image), part, around, weight);
+            add_pixels(rows_of_view.at(image), renderer.read(image), part, in_picture.x - around.x,
+                       in_picture.y - around.y, weight);
         };
         if (is_one_frame || !request.others.empty()) {
             ImageSet wanted = others;
             if (is_one_frame) wanted.insert(FrameImage::Beauty);
-            draw(wanted);
+            draw(wanted, {0, 0});
             for (const FrameImage image : request.others) add_to_rows(image, 1);
             if (is_one_frame) add_to_rows(FrameImage::Beauty, 1);
         }
         if (request.has_beauty && !is_one_frame) {
             for (const Eigen::Vector2d& shift : shifts) {
-                around.shift = shift;
-                draw({FrameImage::Beauty});
+                draw({FrameImage::Beauty}, shift);
                 add_to_rows(FrameImage::Beauty, 1.0F / static_cast<float>(request.samples));
             }
         }
-        if (part.x + part.width == request.width) write(rows);
+    };
+    for (auto begin = parts.begin(); begin != parts.end();) {
+        const auto end = std::find_if(begin, parts.end(),
+                                      [&](const PicturePart& part) { return part.y != begin->y; });
+        for (std::size_t v = 0; v < views.size(); ++v) {
+            rows[v] = black_rows(request, begin->height);
+            for (auto part = begin; part != end; ++part) draw_part(views[v], *part, rows[v]);
+        }
+        write(rows);
+        begin = end;
     }
     return report;
 }

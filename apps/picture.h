@@ -3,7 +3,7 @@
 #pragma once
 
 #include "apps/exr_layers.h"
-#include "apps/scene_file.h"
+#include "apps/stereo.h"
 #include "raycaster/renderer.h"
 
 namespace isocast {
@@ -38,11 +38,13 @@ std::vector<PicturePart> parts_of(int width, int height, int edge, int limit);
 
 /// Draws the loaded scene. Pixels are bit by bit the same for any tiles.
 ///
-/// write    takes the next rows, from the top; images that were not asked for are empty
-/// returns  what passes cost in all; bytes are those held at a time
-/// throws   as Renderer::draw
-FrameReport draw_picture(Renderer& renderer, const Camera& camera, const PictureRequest& request,
-                         const std::function<void(const FrameImages&)>& write,
+/// views    windows of the request's size
+/// write    takes the next rows of each view, from the top; images that were not asked for are
+/// empty returns  what passes cost in all; bytes are those held at a time throws   as
+/// Renderer::draw
+FrameReport draw_picture(Renderer& renderer, const std::vector<PictureView>& views,
+                         const PictureRequest& request,
+                         const std::function<void(const std::vector<FrameImages>&)>& write,
                          const Progress& progress = {});
 
 } // namespace isocast

@@ -121,6 +121,7 @@ void print_json(const RenderReport& report) {
           {"renderer", driver.renderer},
           {"version", driver.version}}},
         {"size", {report.scene.output.width, report.scene.output.height}},
+        {"views", report.scene.camera.is_stereo ? 2 : 1},
         {"frames", report.frame_count},
         {"objects", objects},
         {"primitives", primitives},
@@ -196,10 +197,10 @@ void print(const RenderReport& report) {
         drawn.push_back(fmt::format("{} bricks", totals_of(report).active));
     if (report.loaded.primitives)
         drawn.push_back(fmt::format("{} primitives", report.loaded.primitives->count()));
-    fmt::print("{}: {}{} x {} pixels by {} ({}), {}\n", report.command.output.string(),
-               output.frames ? fmt::format("{} frames of ", report.frame_count) : "", output.width,
-               output.height, report.driver.renderer, report.driver.backend,
-               fmt::join(drawn, ", "));
+    fmt::print("{}: {}{}{} x {} pixels by {} ({}), {}\n", report.command.output.string(),
+               output.frames ? fmt::format("{} frames of ", report.frame_count) : "",
+               report.scene.camera.is_stereo ? "two views of " : "", output.width, output.height,
+               report.driver.renderer, report.driver.backend, fmt::join(drawn, ", "));
     fmt::print("{:.2f} s: field {:.2f}, context {:.2f}, load {:.2f}, draw {:.2f}, write {:.2f}\n",
                seconds.total, seconds.field, seconds.context, seconds.load, seconds.draw,
                seconds.write);

@@ -161,12 +161,13 @@ private:
         const double aspect = double(now.output.width) / now.output.height;
         const Camera camera =
             camera_at(now, camera_from(now.camera, framed_world_, aspect), i, frames_.count());
+        const std::vector<PictureView> views = views_of(now, camera);
         PictureFile file(scene_.output.frames ? frame_path(command_.output, frames_.first + i)
                                               : command_.output,
-                         now, camera, exr_attributes(command_, loaded_, context_->driver()));
+                         now, views, exr_attributes(command_, loaded_, context_->driver()));
         const FrameReport frame = draw_picture(
-            *renderer_, camera, request_of(now, command_),
-            [&](const FrameImages& rows) {
+            *renderer_, views, request_of(now, command_),
+            [&](const std::vector<FrameImages>& rows) {
                 seconds_.draw += step_.lap();
                 file.write(rows);
                 seconds_.write += step_.lap();

@@ -186,6 +186,8 @@ void check_camera(const SceneFile& scene, Problems& problems) {
     if (camera.fov_y_degrees && camera.height_world)
         problems.add("camera.height",
                      "fov (perspective) and height (orthographic) exclude each other");
+    if (camera.is_stereo && camera.height_world)
+        problems.add("camera.stereo", "parallel rays (height) show both eyes the same");
     const std::vector<CameraKey>& keys = scene.camera_keys;
     if (keys.size() == 1) problems.add("camera.key.0", "two keys at least make a path");
     for (std::size_t i = 1; i < keys.size(); ++i)

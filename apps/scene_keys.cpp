@@ -68,6 +68,19 @@ SceneTable camera_table() {
                 "Vertical angle of view [degrees], 30 unless said"),
          number("height", camera(&CameraSpec::height_world), positive,
                 "Orthographic: the picture's height [world]"),
+         special("stereo", "number above 0, or \"auto\"", "",
+                 "A pair of pictures, for eyes so far apart [world], or 1/30 of the target's "
+                 "distance; what is as far away as the target is in the same place of both. PNG: "
+                 "side by side; OpenEXR: the views left and right",
+                 [](SceneFile& file, std::size_t, const SceneValue& value, const Path&) {
+                     const auto* text = std::get_if<std::string>(&value);
+                     if (text && *text != "auto")
+                         throw UsageError(fmt::format("'{}' is neither a number nor auto", *text));
+                     file.camera.is_stereo = true;
+                     file.camera.eye_separation_world.reset();
+                     if (!text)
+                         file.camera.eye_separation_world = positive.checked(number_of(value));
+                 }),
          number("turntable", scene(&SceneFile::turntable_degrees), {},
                 "Over a sequence the camera goes round the target's upward axis by so many "
                 "degrees; 360 makes a loop"),

@@ -49,6 +49,7 @@ struct ExrImage {
     std::map<std::string, std::string> strings;
     std::map<std::string, float> floats;
     std::map<std::string, Eigen::Matrix4f> matrices; // acting on column vectors
+    std::vector<std::string> views = {};             // of a multi-view file, the default one first
 };
 
 } // namespace isocast

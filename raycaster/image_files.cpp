@@ -9,7 +9,9 @@
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfMatrixAttribute.h>
+#include <ImfMultiView.h>
 #include <ImfOutputFile.h>
+#include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
 #include <fmt/format.h>
 #include <png.h>
@@ -146,6 +148,7 @@ ExrFile::ExrFile(const std::filesystem::path& path, int width, int height, const
     header.compression() = Imf::ZIP_COMPRESSION;
     for (const auto& [name, channel] : like.channels)
         header.channels().insert(name, Imf::Channel(channel.as_half ? Imf::HALF : Imf::FLOAT));
+    if (!like.views.empty()) Imf::addMultiView(header, like.views);
     for (const auto& [name, value] : like.strings) header.insert(name, Imf::StringAttribute(value));
     for (const auto& [name, value] : like.floats) header.insert(name, Imf::FloatAttribute(value));
     for (const auto& [name, value] : like.matrices) {
@@ -188,6 +191,20 @@ void ExrFile::write(const ExrImage& rows) {
 void ExrFile::finish() {
     state_->file.reset();
     state_->output.commit();
+}
+
+ExrImage stereo(ExrImage left, ExrImage right) {
+    ExrImage out{.width = left.width,
+                 .height = left.height,
+                 .matrices = std::move(left.matrices),
+                 .views = {"left", "right"}};
+    for (int i = 0; ExrImage * view : {&left, &right}) {
+        for (auto& [name, channel] : view->channels)
+            out.channels.emplace(Imf::insertViewName(name, out.views, i), std::move(channel));
+        ++i;
+    }
+    for (const auto& [name, matrix] : right.matrices) out.matrices.emplace(name + ".right", matrix);
+    return out;
 }
 
 void write_exr(const ExrImage& image, const std::filesystem::path& path) {

@@ -48,6 +48,11 @@ private:
     std::unique_ptr<State> state_;
 };
 
+/// A file of the views "left", the default, and "right", whose channels have names as OpenEXR's
+/// multi-view files have them: "R" and "right.R", "P.left.X" and "P.right.X". Matrices of the right
+/// one end in ".right".
+ExrImage stereo(ExrImage left, ExrImage right);
+
 /// throws  as PngFile
 void write_exr(const ExrImage& image, const std::filesystem::path& path);
 

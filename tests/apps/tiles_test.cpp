@@ -96,8 +96,9 @@ struct Pictures : testing::Test {
     /// All rows of each image, one after the other.
     std::map<FrameImage, Image> draw(const PictureRequest& request) {
         std::map<FrameImage, Image> whole;
-        report = draw_picture(renderer, camera, request, [&](const FrameImages& rows) {
-            for (const auto& [image, part] : rows) {
+        const std::vector<PictureView> views{{.camera = camera, .picture_width = request.width}};
+        report = draw_picture(renderer, views, request, [&](const std::vector<FrameImages>& rows) {
+            for (const auto& [image, part] : rows.front()) {
                 Image& out = whole[image];
                 EXPECT_EQ(part.width, request.width);
                 out.width = part.width;

@@ -64,6 +64,13 @@ void add(const SceneFile& scene, std::size_t i, ScenePart around, Composition& o
     if (found == out.parts.end()) out.parts.push_back(around);
 }
 
+/// Where the scene says a key of an object, for messages.
+std::string place_of(const SceneFile& scene, std::size_t object, const char* key) {
+    const std::string name = fmt::format("object.{}.{}", object, key);
+    const auto place = scene.places.find(name);
+    return place == scene.places.end() ? name : fmt::format("{}: {}", place->second, name);
+}
+
 /// The files of an object at its time; one or two of a series.
 std::vector<std::string> inputs_of(const SceneObject& object) {
     if (!object.series.empty()) {
@@ -199,12 +206,17 @@ public:
         const FieldObject on{surface.field, surface.iso_world,
                              object.filter.value_or(scene_.filter), scene_.derivative_filter};
         MadeGlyphs& made = kept_.glyphs_[i];
-        if (made.on != on || made.count != *object.glyphs || made.seed != object.glyph_seed ||
-            made.curvature_scale_voxels != scene_.curvature_scale_voxels) {
-            made = {on, *object.glyphs, object.glyph_seed, scene_.curvature_scale_voxels};
-            made.points = curved_points(on, static_cast<std::size_t>(made.count),
-                                        static_cast<std::uint64_t>(made.seed),
-                                        made.curvature_scale_voxels, progress_);
+        const MadeGlyphs::Of of{on, *object.glyphs, object.glyph_seed,
+                                scene_.curvature_scale_voxels};
+        if (made.of != of) {
+            try {
+                made = {of, curved_points(on, static_cast<std::size_t>(of.count),
+                                          static_cast<std::uint64_t>(of.seed),
+                                          of.curvature_scale_voxels, progress_)};
+            } catch (const InputError& error) {
+                throw InputError(
+                    fmt::format("{}: {}", place_of(scene_, i, "glyphs"), error.what()));
+            }
         }
         if (made.points.lost > 0)
             warn(i, fmt::format("{} glyphs found no place on the surface", made.points.lost));
@@ -330,13 +342,6 @@ Body moved(Body body, const Eigen::Affine3d& to_world, double) {
     body.centre_world = to_world * body.centre_world;
     body.axes_world = to_world.linear() * body.axes_world;
     return body;
-}
-
-/// Where the scene says a key of an object, for messages.
-std::string place_of(const SceneFile& scene, std::size_t object, const char* key) {
-    const std::string name = fmt::format("object.{}.{}", object, key);
-    const auto place = scene.places.find(name);
-    return place == scene.places.end() ? name : fmt::format("{}: {}", place->second, name);
 }
 
 /// throws  InputError if the points have no use for a key that the object has

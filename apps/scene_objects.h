@@ -108,10 +108,14 @@ private:
     };
     std::map<std::size_t, MadeSurface> surfaces_; // of molecules, by object
     struct MadeGlyphs {
-        FieldObject on;
-        int count = 0;
-        int seed = 0;
-        double curvature_scale_voxels = 0;
+        struct Of {
+            FieldObject on;
+            int count = 0;
+            int seed = 0;
+            double curvature_scale_voxels = 0;
+            bool operator==(const Of&) const = default;
+        };
+        Of of;
         CurvedPoints points;
     };
     std::map<std::size_t, MadeGlyphs> glyphs_; // by object

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
+#include "quadrics/cut.h"
 #include "quadrics/primitives.h"
 #include "raycaster/camera.h"
 

@@ -6,6 +6,7 @@
 #include "program.h"
 #include "volume/errors.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -106,6 +107,92 @@ TEST_F(PrimitiveScenes, MeshesAreTrianglesWhereTheyArePlaced) {
         EXPECT_GT(placed.normals_world[corner].cast<double>().dot(face), std::cos(0.4));
         EXPECT_LT(placed.normals_world[corner].cast<double>().dot(face), std::cos(0.02));
     }
+}
+
+TEST_F(PrimitiveScenes, TensorsAreSuperquadricsAndPointsDotsIfAskedFor) {
+    const Scene scene = compose("[[object]]\npoints = \"tensors.csv\"\nglyph = \"superquadric\"\n"
+                                "sharpness = 2\ntensor_scale = 4\nscale = 3\n"
+                                "[[object]]\npoints = \"cloud.csv\"\nradius_pixels = 7\n"
+                                "scale = 3\n");
+    EXPECT_TRUE(scene.primitives->ellipsoids.empty());
+    EXPECT_TRUE(scene.primitives->spheres.empty());
+    ASSERT_EQ(scene.primitives->superquadrics.size(), 1);
+    const Superquadric& glyph = scene.primitives->superquadrics[0];
+    EXPECT_NEAR(std::abs(glyph.axes_world.determinant()), 27 * 2 * 1 * 0.5, 1e-12);
+    EXPECT_EQ(glyph.centre_world, Vec3d(0, 0, 3));
+    // l = 4, 2, 1 sevenths: c_l = c_p = 2/7, linear.
+    EXPECT_NEAR(glyph.beta, std::pow(5 / 7.0, 2), 1e-12);
+    ASSERT_EQ(scene.primitives->dots.size(), 2); // that of radius 0, too
+    EXPECT_EQ(scene.primitives->dots[0].centre_world, Vec3d(3, 6, 9));
+    EXPECT_EQ(scene.primitives->dots[0].radius_pixels, 7);
+    EXPECT_EQ(scene.primitives->dots[0].colour, Vec3d(1, 0, 0));
+}
+
+TEST_F(PrimitiveScenes, KeysThatThePointsHaveNoUseForAreNamedWithTheirLine) {
+    const auto message = [&](const std::string& text) {
+        return message_of<InputError>([&] { compose(text); });
+    };
+    EXPECT_THAT(message("[[object]]\npoints = \"cloud.csv\"\nglyph = \"superquadric\"\n"),
+                testing::AllOf(testing::HasSubstr("scene.toml:3:9: object.0.glyph: "),
+                               testing::HasSubstr("cloud.csv have no tensors")));
+    EXPECT_THAT(message("[[object]]\npoints = \"tensors.csv\"\nradius_pixels = 2\n"),
+                testing::HasSubstr("scene.toml:3:17: object.0.radius_pixels: "));
+    EXPECT_THAT(message("[[object]]\npoints = \"cloud.csv\"\nglyphs = 5\n"),
+                testing::HasSubstr("scene.toml:3:10: object.0.glyphs: these stand on a field"));
+    EXPECT_THAT(
+        message("[[object]]\nfield = \"field:torus@8\"\nglyphs = 0\n"),
+        testing::HasSubstr("scene.toml:3:10: object.0.glyphs: expected a number between 1"));
+    EXPECT_THAT(message("[[object]]\nfield = \"field:torus@8\"\nglyphs = 9\n"
+                        "colour = [1, 0, 0]\n"),
+                testing::HasSubstr("scene.toml:4:10: object.0.colour: "));
+    EXPECT_THAT(message("[[object]]\nfield = \"field:torus@16\"\nglyphs = 9\niso = 99\n"),
+                testing::HasSubstr("scene.toml:3:10: object.0.glyphs: there is no surface at"));
+}
+
+TEST_F(PrimitiveScenes, GlyphsStandOnTheFieldWhereItIsPlaced) {
+    const std::string torus =
+        "[[object]]\nfield = \"field:torus@48\"\nscale = 2\ntranslate = [5, 0, 0]\n";
+    const Scene scene = compose(torus + "glyphs = 300\nglyph_size = 0.05\n" + torus);
+    ASSERT_EQ(scene.objects.size(), 1); // the surface beneath
+    ASSERT_EQ(scene.primitives->ellipsoids.size(), 300);
+    for (const Ellipsoid& glyph : scene.primitives->ellipsoids) {
+        const Vec3d p = glyph.centre_world - Vec3d(5, 0, 0);
+        const double from_circle = std::hypot(p.head<2>().norm() - 2, p.z());
+        // On the tube, or lifted off its hollow side by half a semi-axis squared times 1 / 1.2.
+        EXPECT_GT(from_circle, 0.8 - 1e-3);
+        EXPECT_LT(from_circle, 0.8 + 0.05 * 0.05 / 2 / 1.2 + 1e-3);
+        EXPECT_NEAR(glyph.axes_world.colwise().norm().maxCoeff(), 0.05, 0.05 * 0.8);
+    }
+    const Scene other = compose(torus + "glyphs = 300\nglyph_seed = 1\n");
+    EXPECT_NE(other.primitives->ellipsoids[0].centre_world,
+              scene.primitives->ellipsoids[0].centre_world);
+    EXPECT_TRUE(other.objects.empty());
+}
+
+TEST_F(PrimitiveScenes, GlyphsFollowTheirKeysFromFrameToFrame) {
+    const SceneFile scene = read("[[object]]\nmesh = \"mesh:knot\"\nresolution = 40\n"
+                                 "glyphs = 50\nfilter = \"bspline\"\n");
+    SceneObjects objects;
+    objects.open(scene);
+    const auto first_of = [&](const std::function<void(SceneFile&)>& change) {
+        SceneFile changed = scene;
+        change(changed);
+        const Scene composed = objects.compose(changed, {}, [](const std::string&) {});
+        EXPECT_EQ(composed.primitives->ellipsoids.size(), 50);
+        return composed.primitives->ellipsoids.at(0);
+    };
+    const Ellipsoid plain = first_of([](SceneFile&) {});
+    const auto expect_moved = [&](const Ellipsoid& other) {
+        EXPECT_NE(other.centre_world, plain.centre_world);
+    };
+    expect_moved(first_of([](SceneFile& s) { s.objects[0].glyph_seed = 1; }));
+    expect_moved(first_of([](SceneFile& s) { s.objects[0].iso_world = 0.02; }));
+    expect_moved(first_of([](SceneFile& s) { s.objects[0].filter = Filter::Interpolating; }));
+    EXPECT_NE(first_of([](SceneFile& s) { s.curvature_scale_voxels = 2; }).axes_world,
+              plain.axes_world);
+    EXPECT_NE(first_of([](SceneFile& s) { s.objects[0].glyph_size_world = 1; }).axes_world,
+              plain.axes_world);
+    EXPECT_EQ(first_of([](SceneFile&) {}).axes_world, plain.axes_world);
 }
 
 TEST_F(PrimitiveScenes, AreNoOperandsAndTakeNoKeysOfFields) {

@@ -40,26 +40,28 @@ struct Judgement {
 
 /// What rays meet with all superquadrics larger by a share of their size.
 inline std::vector<SeenPrimitive> cast_grown(Primitives primitives, double share,
-                                             const Camera& camera, int width, int height) {
+                                             const Camera& camera, int width, int height,
+                                             const Cut& cut) {
     for (Superquadric& s : primitives.superquadrics) s.axes_world *= 1 + share;
-    return cast_primitives(primitives, camera, width, height);
+    return cast_primitives(primitives, camera, width, height, cut);
 }
 
 /// Draws the primitives, numbered by their colours, and compares.
 ///
 /// silhouette  superquadrics may be larger or smaller by such a share of their size
 inline Judgement judge(Renderer& renderer, Primitives primitives, const Camera& camera, int width,
-                       int height, double silhouette = 0) {
+                       int height, double silhouette = 0, const Cut& cut = {}) {
     number_by_colour(primitives);
-    renderer.load({.primitives = std::make_shared<Primitives>(primitives)});
+    renderer.load({.primitives = std::make_shared<Primitives>(primitives), .cut = cut});
     renderer.draw(camera, width, height, {FrameImage::Hit, FrameImage::SplatColour});
     const Image hits = renderer.read(FrameImage::Hit);
     const Image colours = renderer.read(FrameImage::SplatColour);
-    const std::vector<SeenPrimitive> shown = cast_primitives(primitives, camera, width, height);
+    const std::vector<SeenPrimitive> shown =
+        cast_primitives(primitives, camera, width, height, cut);
     std::vector<std::vector<SeenPrimitive>> beside;
     if (silhouette > 0)
         for (const double share : {silhouette, -silhouette})
-            beside.push_back(cast_grown(primitives, share, camera, width, height));
+            beside.push_back(cast_grown(primitives, share, camera, width, height, cut));
     Judgement judgement;
     for (std::size_t i = 0; i < shown.size(); ++i) {
         const int number = number_of_colour(&colours.rgba[4 * i]);

@@ -122,7 +122,7 @@ TEST_F(SuperquadricSplat, BehindManyOthersIsStillWhatTheRaysMeet) {
         s.axes_world = random.rotation() * Vec3d(0.2, 0.17, 0.15).asDiagonal();
     EXPECT_GT(expect_exact(primitives).seen, 20000);
     const auto everything =
-        SplatsOnGpu(primitives, camera, 320, 240, {.width = 320, .height = 240});
+        SplatsOnGpu(primitives, {}, camera, 320, 240, {.width = 320, .height = 240});
     EXPECT_LT(everything.kinds.at(0).count, 950); // discs hide some
 }
 

@@ -118,8 +118,9 @@ TEST_F(Cuts, CapsAreOfTheSolidThatTheyLieDeepestIn) {
     for (const double first : {-0.5, 0.5}) {
         const auto balls = std::make_shared<Primitives>();
         for (const double x : {first, -first})
-            balls->spheres.push_back(
-                {.centre_world = {x, 0, 0}, .radius_world = 0.9, .colour = {x<0, x> 0, 0}});
+            balls->spheres.push_back({.centre_world = {x, 0, 0},
+                                      .radius_world = 0.9,
+                                      .colour = x < 0 ? Vec3d::UnitX() : Vec3d::UnitY()});
         draw({.primitives = balls,
               .cut = {.look = CutLook::Capped, .planes = {{Vec3d::UnitZ(), 0}}}},
              {FrameImage::Hit, FrameImage::SplatColour});

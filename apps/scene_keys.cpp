@@ -345,6 +345,9 @@ SceneTable quality_table() {
                 "From samples to a smooth function"),
          choice("derivative_filter", scene(&SceneFile::derivative_filter), filters(),
                 "Of gradients and curvatures, if another"),
+         number("detail_pixels", quality(&Quality::detail_pixels), {0, 4},
+                "Atoms and sticks of lesser radius than this are thinned out, few and larger ones "
+                "in place of many [pixels]; 0: each is drawn"),
          number("curvature_scale", scene(&SceneFile::curvature_scale_voxels), {0, 16},
                 "Width of the Gaussian before curvatures are taken [voxels]"),
          choice("storage", storage(&StorageOptions::format),

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace isocast {
 
@@ -29,6 +30,59 @@ template<>
 constexpr SplatKind kind_of<ClippedQuadric> = SplatKind::General;
 template<>
 constexpr SplatKind kind_of<Superquadric> = SplatKind::Superquadric;
+
+/// A number in [0, 1) that looks random and is always the same.
+///
+/// source  splitmix64's finaliser, Steele, Lea and Flood 2014
+double share_of(std::uint64_t number) {
+    std::uint64_t x = (number + 1) * 0x9e3779b97f4a7c15;
+    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9;
+    x = (x ^ x >> 27) * 0x94d049bb133111eb;
+    return static_cast<double>((x ^ x >> 31) >> 11) * 0x1p-53;
+}
+
+/// How large one of many is drawn, of the full size of those that are kept: on average over all
+/// numbers it is `kept`, which is less than 1. Each goes from 0 to 1 while `kept` grows by two
+/// thirds, or to 1.
+double thinned(double kept, std::uint64_t number) {
+    const double growing = std::min(kept / 4, 1 - kept); // half the share of those
+    return std::clamp((kept + growing - share_of(number)) / (2 * growing), 0.0, 1.0);
+}
+
+/// The radius [pixels] with which something as far away as p is seen.
+double radius_in_pixels(const Vec3d& p_world, double radius_world, const SplatView& view) {
+    const double depth = -view.space.view_from_world.row(2).dot(p_world - view.space.eye_world);
+    const double scale = view.space.is_perspective ? 1 / std::max(depth, radius_world) : 1;
+    return radius_world * scale * view.pixels_per_unit;
+}
+
+/// As it is drawn where detail ends; nothing if others stand for it.
+template<class Primitive>
+std::optional<Primitive> thinned_out(const Primitive& primitive, std::uint64_t, const SplatView&) {
+    return primitive;
+}
+template<>
+std::optional<Sphere> thinned_out(const Sphere& sphere, std::uint64_t number,
+                                  const SplatView& view) {
+    const double size =
+        radius_in_pixels(sphere.centre_world, sphere.radius_world, view) / view.detail_pixels;
+    if (!(size < 1)) return sphere;
+    const double area = thinned(size * size, number);
+    Sphere drawn = sphere;
+    drawn.radius_world *= std::sqrt(area) / size;
+    return area > 0 ? std::optional(drawn) : std::nullopt;
+}
+template<>
+std::optional<Cylinder> thinned_out(const Cylinder& stick, std::uint64_t number,
+                                    const SplatView& view) {
+    const Vec3d middle = (stick.a_world + stick.b_world) / 2;
+    const double size = radius_in_pixels(middle, stick.radius_world, view) / view.detail_pixels;
+    if (!(size < 1)) return stick;
+    const double width = thinned(size, number);
+    Cylinder drawn = stick;
+    drawn.radius_world *= width / size;
+    return width > 0 ? std::optional(drawn) : std::nullopt;
+}
 
 /// Where a primitive is drawn: a corner and two sides [pixels].
 struct Rectangle {
@@ -281,7 +335,8 @@ Splats splats_of(const Primitives& primitives, const SplatView& view) {
     std::vector<Footprint> footprints(primitives.solid_count());
     in_parallel(footprints.size(), [&](std::size_t i) {
         visit(primitives, i, [&](const auto& primitive) {
-            footprints[i] = footprint_behind_planes(primitive, view);
+            const auto drawn = thinned_out(primitive, i, view);
+            footprints[i] = drawn ? footprint_behind_planes(*drawn, view) : nothing;
         });
     });
     const std::vector<std::uint32_t> visible =
@@ -300,7 +355,7 @@ Splats splats_of(const Primitives& primitives, const SplatView& view) {
         in_parallel(of_kind[k].size(), [&](std::size_t slot) {
             const std::uint32_t i = of_kind[k][slot];
             visit(primitives, i, [&](const auto& primitive) {
-                write_splat(primitive, i, view, footprints[i],
+                write_splat(*thinned_out(primitive, i, view), i, view, footprints[i],
                             Record(out.records[k].data() + floats * slot));
             });
         });

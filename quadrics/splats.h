@@ -19,6 +19,10 @@ struct SplatView {
     Eigen::Vector2d middle_pixels = Eigen::Vector2d::Zero();
     int width = 1; // of the part [pixels]
     int height = 1;
+    /// Spheres and sticks of lesser radius [pixels] are thinned out: 0, none. Few of many are
+    /// drawn, as large as this or, for a while, growing to it, so that the mean area of all stays:
+    /// neither do they flicker when the camera moves, nor does a crowd of them have holes.
+    double detail_pixels = 0;
     std::vector<CutPlane> planes; // of unit normals, in front of which nothing is drawn
 };
 

@@ -122,6 +122,9 @@ void Renderer::load(Scene scene, const Progress& progress) {
     check_look(scene.look);
     if (scene.primitives) check(*scene.primitives);
     check(scene.cut);
+    if (!(scene.quality.detail_pixels >= 0 && scene.quality.detail_pixels <= 4))
+        throw InputError(
+            fmt::format("details of {} pixels: not in 0 ... 4", scene.quality.detail_pixels));
     StorageOptions storage = scene.storage;
     storage.budget_bytes /= std::max<std::ptrdiff_t>(std::ssize(objects), 1);
     // What stays the same is kept; other old fields go first, so that they and the new ones are
@@ -234,7 +237,8 @@ std::vector<Vec3d> Renderer::surface_points_world() const {
     return {box.begin(), box.end()};
 }
 
-SeenScene Renderer::seen_by(const Camera& camera, int width, int height, const PicturePart& part) {
+SeenScene Renderer::seen_by(const Camera& camera, int width, int height, const PicturePart& part,
+                            double detail_pixels) {
     SeenScene seen;
     std::vector<std::vector<Eigen::Vector4i>> runs;
     for (const auto& object : objects_) {
@@ -250,7 +254,7 @@ SeenScene Renderer::seen_by(const Camera& camera, int width, int height, const P
         runs.push_back(seen.objects.back().places.tile_runs);
     }
     if (has_primitives(scene_)) {
-        seen.splats.emplace(*primitives_, cut_planes_, camera, width, height, part);
+        seen.splats.emplace(*primitives_, cut_planes_, camera, width, height, part, detail_pixels);
         if (triangle_normals_.buffer.byte_count() > 0)
             seen.splats->triangle_normals = &triangle_normals_;
         seen.extents_world.push_back(corners_of(primitives_box_));
@@ -282,7 +286,7 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
         cut_planes_ = std::move(planes);
         shadow_map_.reset();
     }
-    const SeenScene seen = seen_by(camera, width, height, part);
+    const SeenScene seen = seen_by(camera, width, height, part, scene_.quality.detail_pixels);
     FrameReport report;
     FrameContext frame{shaders_,
                        no_vertices_,
@@ -306,7 +310,7 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
     frame.surface_box_world = [&] { return surface_box_world(); };
     frame.see = [&](const Camera& other, int other_width, int other_height) {
         return seen_by(other, other_width, other_height,
-                       {.width = other_width, .height = other_height});
+                       {.width = other_width, .height = other_height}, 0);
     };
     if (is_live(FrameImage::ShadowMap)) {
         const Light* light = casting_light(scene_.look);

@@ -100,7 +100,8 @@ private:
     }
     Eigen::AlignedBox3d composed_box(const Eigen::AlignedBox3d& of_primitives) const;
 
-    SeenScene seen_by(const Camera& camera, int width, int height, const PicturePart& part);
+    SeenScene seen_by(const Camera& camera, int width, int height, const PicturePart& part,
+                      double detail_pixels);
 
     gl::Context& context_;
     gl::ShaderLibrary shaders_;

@@ -37,6 +37,8 @@ struct Quality {
     std::optional<double> rate;
     int rate_factor = 1;
     double near_voxels = 1;
+    /// Of primitives, as in SplatView, for the viewer alone: lights and reflections see all.
+    double detail_pixels = 0;
 };
 
 /// A field and its isosurface. Fields of a scene may differ in grid, spacing, orientation and

@@ -8,12 +8,13 @@ namespace isocast {
 namespace {
 
 SplatView view_of(const Camera& camera, int width, int height, const PicturePart& part,
-                  const std::vector<CutPlane>& planes) {
+                  double detail_pixels, const std::vector<CutPlane>& planes) {
     return {.space = picture_space(camera),
             .pixels_per_unit = pixels_per_unit(camera, height),
             .middle_pixels = Eigen::Vector2d(width, height) / 2 - part.first_pixel(height),
             .width = part.width,
             .height = part.height,
+            .detail_pixels = detail_pixels,
             .planes = planes};
 }
 
@@ -75,9 +76,11 @@ std::vector<CutPlane> planes_of(const Cut& cut, const Camera& viewer) {
 }
 
 SplatsOnGpu::SplatsOnGpu(const Primitives& primitives, std::vector<CutPlane> cut_planes,
-                         const Camera& camera, int width, int height, const PicturePart& part)
+                         const Camera& camera, int width, int height, const PicturePart& part,
+                         double detail_pixels)
     : planes(std::move(cut_planes)) {
-    const Splats splats = splats_of(primitives, view_of(camera, width, height, part, planes));
+    const Splats splats =
+        splats_of(primitives, view_of(camera, width, height, part, detail_pixels, planes));
     int slot = 0;
     for (std::size_t k = 0; k < splats.records.size(); ++k) {
         const std::vector<float>& records = splats.records[k];

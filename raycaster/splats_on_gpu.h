@@ -20,8 +20,9 @@ struct SplatsOnGpu {
     /// primitives  without dots
     /// planes      with unit normals
     /// part        of a picture of width x height
+    /// detail_pixels  as in SplatView
     SplatsOnGpu(const Primitives& primitives, std::vector<CutPlane> planes, const Camera& camera,
-                int width, int height, const PicturePart& part);
+                int width, int height, const PicturePart& part, double detail_pixels = 0);
 
     /// Those of one kind.
     struct OfKind {

@@ -118,8 +118,9 @@ TEST_F(Cuts, CapsAreOfTheSolidThatTheyLieDeepestIn) {
     for (const double first : {-0.5, 0.5}) {
         const auto balls = std::make_shared<Primitives>();
         for (const double x : {first, -first})
-            balls->spheres.push_back(
-                {.centre_world = {x, 0, 0}, .radius_world = 0.9, .colour = {x<0, x> 0, 0}});
+            balls->spheres.push_back({.centre_world = {x, 0, 0},
+                                      .radius_world = 0.9,
+                                      .colour = x < 0 ? Vec3d::UnitX() : Vec3d::UnitY()});
         draw({.primitives = balls,
               .cut = {.look = CutLook::Capped, .planes = {{Vec3d::UnitZ(), 0}}}},
              {FrameImage::Hit, FrameImage::SplatColour});
@@ -186,11 +187,11 @@ TEST_F(Cuts, ShadowsAreThoseOfWhatIsLeft) {
             const double x = hits.rgba[i] + camera.eye_world.x();
             const double y = hits.rgba[i + 1] + camera.eye_world.y();
             if (hits.rgba[i + 3] != 0 && is_on_the_large && std::hypot(x, y) < 0.47)
-                count += shadows.rgba[i] > 0.5;
+                count += shadows.rgba[i] < 0.5; // the share of light
         }
         return count;
     };
-    EXPECT_GT(shaded({}), 200);
+    EXPECT_GT(shaded({}), 100);
     EXPECT_EQ(shaded({.planes = {{Vec3d::UnitZ(), 1.0}}}), 0);
 }
 
@@ -211,9 +212,11 @@ TEST_F(Cuts, WithoutPlanesAreInNoProgram) {
 }
 
 TEST_F(Cuts, ThatCannotBeAreRefused) {
+    const auto ball = std::make_shared<Primitives>();
+    ball->spheres = {{}};
     const auto message = [&](const Cut& cut) -> std::string {
         try {
-            renderer.load({.primitives = std::make_shared<Primitives>(), .cut = cut});
+            renderer.load({.primitives = ball, .cut = cut});
         } catch (const InputError& error) {
             return error.what();
         }

@@ -112,10 +112,10 @@ std::vector<SceneTable> surface_effects() {
           number("radius_world", accessibility(&Accessibility::radius_world), positive,
                  "Of a hollow that is black")}},
         {"effects.occlusion",
-         "Ambient light that the object keeps away from itself.",
+         "Ambient light that fields and primitives keep away from themselves and from each other.",
          {strength(occlusion(&Occlusion::strength)),
           number("distance_world", occlusion(&Occlusion::distance_world), positive,
-                 "How far occluders count; else a tenth of the object"),
+                 "How far occluders count; else a tenth of the diagonal of all that is drawn"),
           integer("rays", occlusion(&Occlusion::rays), {1, 1024}, "For each pixel")}},
     };
 }

@@ -119,6 +119,15 @@ void for_each_kind(SomePrimitives& primitives, Function f) {
     f(primitives.superquadrics);
 }
 
+/// Calls f with the primitive of this number, which is none of a triangle or a dot.
+template<class Function>
+void visit_solid(const Primitives& primitives, std::size_t number, Function f) {
+    for_each_kind(primitives, [&](const auto& some) {
+        if (number < some.size()) f(some[number]);
+        number -= some.size(); // the kinds after it are not as large as what that wraps to
+    });
+}
+
 inline std::size_t Primitives::solid_count() const {
     std::size_t count = 0;
     for_each_kind(*this, [&](const auto& some) { count += some.size(); });

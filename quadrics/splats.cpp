@@ -20,17 +20,6 @@ constexpr double margin_pixels = 1.0 / 16;
 /// Rectangles that reach farther are cut to the picture: floats know them to a 64th of a pixel.
 constexpr double greatest_pixels = 1 << 17;
 
-template<class Primitive>
-constexpr SplatKind kind_of = SplatKind::Cone; // a cylinder is one
-template<>
-constexpr SplatKind kind_of<Sphere> = SplatKind::Sphere;
-template<>
-constexpr SplatKind kind_of<Ellipsoid> = SplatKind::Ellipsoid;
-template<>
-constexpr SplatKind kind_of<ClippedQuadric> = SplatKind::General;
-template<>
-constexpr SplatKind kind_of<Superquadric> = SplatKind::Superquadric;
-
 /// A number in [0, 1) that looks random and is always the same.
 ///
 /// source  splitmix64's finaliser, Steele, Lea and Flood 2014
@@ -237,73 +226,19 @@ private:
     float* next_;
 };
 
-void write_splat(const Sphere& sphere, std::uint32_t number, const SplatView& view,
-                 const Footprint& footprint, Record record) {
-    const Vec3d o = in_view(view.space, sphere.centre_world);
-    const double r = sphere.radius_world;
-    const double distance = o.stableNorm();
-    record.put({footprint.x_lo - margin_pixels, footprint.y_lo - margin_pixels,
-                footprint.x_hi - footprint.x_lo + 2 * margin_pixels,
-                footprint.y_hi - footprint.y_lo + 2 * margin_pixels});
-    record.put({(distance - r) * (distance + r), double(number), 0, 0});
-    record.put({o.x(), o.y(), o.z(), r});
+void write_place(const Sphere&, double, const SplatView&, const Footprint& footprint, float* to) {
+    Record(to).put({footprint.x_lo - margin_pixels, footprint.y_lo - margin_pixels,
+                    footprint.x_hi - footprint.x_lo + 2 * margin_pixels,
+                    footprint.y_hi - footprint.y_lo + 2 * margin_pixels});
 }
 
-/// The floats with which all but spheres begin.
 template<class Primitive>
-void put_rectangle(const Primitive& primitive, std::uint32_t number, const SplatView& view,
-                   Record& record) {
+void write_place(const Primitive& primitive, double number, const SplatView& view, const Footprint&,
+                 float* to) {
     const Rectangle r = rectangle_of(screen_bounds(primitive, view.space), view);
+    Record record(to);
     record.put({r.corner.x(), r.corner.y(), r.side_a.x(), r.side_a.y()});
-    record.put({r.side_b.x(), r.side_b.y(), double(number), 0});
-}
-
-void write_splat(const Superquadric& superquadric, std::uint32_t number, const SplatView& view,
-                 const Footprint&, Record record) {
-    put_rectangle(superquadric, number, view, record);
-    const auto seen = seen_from<double>(superquadric, view.space.eye_world);
-    const Vec3d centre = view.space.view_from_world * seen.centre;
-    const Mat3d m = seen.local_from_world * view.space.view_from_world.transpose();
-    record.put({centre.x(), centre.y(), centre.z(), seen.exponents.p});
-    record.put({m(0, 0), m(0, 1), m(0, 2), seen.exponents.r});
-    record.put({m(1, 0), m(1, 1), m(1, 2), 0});
-    record.put({m(2, 0), m(2, 1), m(2, 2), 0});
-}
-
-template<class Primitive>
-void write_splat(const Primitive& primitive, std::uint32_t number, const SplatView& view,
-                 const Footprint&, Record record) {
-    put_rectangle(primitive, number, view, record);
-    const auto seen = seen_from<double>(quadric_of(primitive), view.space.eye_world);
-    const Vec3d centre = view.space.view_from_world * seen.centre;
-    record.put({centre.x(), centre.y(), centre.z(), seen.value_at_origin});
-    const Mat3d m = seen.local_from_world * view.space.view_from_world.transpose();
-    // Parallel rays start elsewhere.
-    const bool is_near = seen.is_near && view.space.is_perspective;
-    const int flags = int{is_near} + 2 * int{seen.has_cap[0]} + 4 * int{seen.has_cap[1]};
-    if constexpr (kind_of<Primitive> == SplatKind::Cone) {
-        const Vec3d axis = m.row(2).normalized();
-        record.put({axis.x(), axis.y(), axis.z(), m.row(2).norm()});
-        record.put({m.row(0).norm(), seen.radius_slope, double(flags), 0});
-        return;
-    }
-    record.put({m(0, 0), m(0, 1), m(0, 2), double(flags)});
-    record.put({m(1, 0), m(1, 1), m(1, 2), 0});
-    record.put({m(2, 0), m(2, 1), m(2, 2), seen.c});
-    if constexpr (kind_of<Primitive> == SplatKind::General) {
-        record.put({seen.a(0, 0), seen.a(0, 1), seen.a(0, 2), seen.b.x()});
-        record.put({seen.a(1, 1), seen.a(1, 2), seen.a(2, 2), seen.b.y()});
-        record.put({seen.b.z(), 0, 0, 0});
-    }
-}
-
-/// Calls f(primitive) with the primitive of a number.
-template<class Function>
-void visit(const Primitives& primitives, std::size_t number, Function f) {
-    for_each_kind(primitives, [&](const auto& some) {
-        if (number < some.size()) f(some[number]);
-        number -= some.size(); // the kinds after it are not as large as what that wraps to
-    });
+    record.put({r.side_b.x(), r.side_b.y(), number, 0});
 }
 
 template<class Function>
@@ -315,6 +250,56 @@ void in_parallel(std::size_t count, Function f) {
 }
 
 } // namespace
+
+void put_body(const Sphere& sphere, const PictureSpace& space, float* to) {
+    const Vec3d o = in_view(space, sphere.centre_world);
+    const double r = sphere.radius_world;
+    const double distance = o.stableNorm();
+    Record record(to);
+    record.put({(distance - r) * (distance + r), 0, 0, 0});
+    record.put({o.x(), o.y(), o.z(), r});
+}
+
+void put_body(const Superquadric& superquadric, const PictureSpace& space, float* to) {
+    const auto seen = seen_from<double>(superquadric, space.eye_world);
+    const Vec3d centre = space.view_from_world * seen.centre;
+    const Mat3d m = seen.local_from_world * space.view_from_world.transpose();
+    Record record(to);
+    record.put({centre.x(), centre.y(), centre.z(), seen.exponents.p});
+    record.put({m(0, 0), m(0, 1), m(0, 2), seen.exponents.r});
+    record.put({m(1, 0), m(1, 1), m(1, 2), 0});
+    record.put({m(2, 0), m(2, 1), m(2, 2), 0});
+}
+
+template<class Primitive>
+void put_body(const Primitive& primitive, const PictureSpace& space, float* to) {
+    const auto seen = seen_from<double>(quadric_of(primitive), space.eye_world);
+    const Vec3d centre = space.view_from_world * seen.centre;
+    Record record(to);
+    record.put({centre.x(), centre.y(), centre.z(), seen.value_at_origin});
+    const Mat3d m = seen.local_from_world * space.view_from_world.transpose();
+    // Parallel rays start elsewhere.
+    const bool is_near = seen.is_near && space.is_perspective;
+    const int flags = int{is_near} + 2 * int{seen.has_cap[0]} + 4 * int{seen.has_cap[1]};
+    if constexpr (std::is_same_v<Primitive, Cylinder> || std::is_same_v<Primitive, Cone>) {
+        const Vec3d axis = m.row(2).normalized();
+        record.put({axis.x(), axis.y(), axis.z(), m.row(2).norm()});
+        record.put({m.row(0).norm(), seen.radius_slope, double(flags), 0});
+        return;
+    }
+    record.put({m(0, 0), m(0, 1), m(0, 2), double(flags)});
+    record.put({m(1, 0), m(1, 1), m(1, 2), 0});
+    record.put({m(2, 0), m(2, 1), m(2, 2), seen.c});
+    if constexpr (std::is_same_v<Primitive, ClippedQuadric>) {
+        record.put({seen.a(0, 0), seen.a(0, 1), seen.a(0, 2), seen.b.x()});
+        record.put({seen.a(1, 1), seen.a(1, 2), seen.a(2, 2), seen.b.y()});
+        record.put({seen.b.z(), 0, 0, 0});
+    }
+}
+template void put_body(const Ellipsoid&, const PictureSpace&, float*);
+template void put_body(const Cylinder&, const PictureSpace&, float*);
+template void put_body(const Cone&, const PictureSpace&, float*);
+template void put_body(const ClippedQuadric&, const PictureSpace&, float*);
 
 Primitives with_dots_as_spheres(Primitives primitives, const PictureSpace& space,
                                 double pixels_per_unit) {
@@ -334,7 +319,7 @@ Primitives with_dots_as_spheres(Primitives primitives, const PictureSpace& space
 Splats splats_of(const Primitives& primitives, const SplatView& view) {
     std::vector<Footprint> footprints(primitives.solid_count());
     in_parallel(footprints.size(), [&](std::size_t i) {
-        visit(primitives, i, [&](const auto& primitive) {
+        visit_solid(primitives, i, [&](const auto& primitive) {
             const auto drawn = thinned_out(primitive, i, view);
             footprints[i] = drawn ? footprint_behind_planes(*drawn, view) : nothing;
         });
@@ -345,18 +330,22 @@ Splats splats_of(const Primitives& primitives, const SplatView& view) {
     Splats out;
     std::array<std::vector<std::uint32_t>, splat_kind_count> of_kind;
     for (const std::uint32_t i : visible)
-        visit(primitives, i, [&](const auto& primitive) {
-            using Primitive = std::decay_t<decltype(primitive)>;
-            of_kind[static_cast<std::size_t>(kind_of<Primitive>)].push_back(i);
+        visit_solid(primitives, i, [&](const auto& primitive) {
+            of_kind[static_cast<std::size_t>(splat_kind_of(primitive))].push_back(i);
         });
     for (std::size_t k = 0; k < of_kind.size(); ++k) {
         const auto floats = static_cast<std::size_t>(splat_floats[k]);
         out.records[k].resize(floats * of_kind[k].size());
         in_parallel(of_kind[k].size(), [&](std::size_t slot) {
             const std::uint32_t i = of_kind[k][slot];
-            visit(primitives, i, [&](const auto& primitive) {
-                write_splat(*thinned_out(primitive, i, view), i, view, footprints[i],
-                            Record(out.records[k].data() + floats * slot));
+            visit_solid(primitives, i, [&](const auto& primitive) {
+                const auto drawn = *thinned_out(primitive, i, view);
+                float* to = out.records[k].data() + floats * slot;
+                write_place(drawn, i, view, footprints[i], to);
+                to += place_floats(splat_kind_of(drawn));
+                put_body(drawn, view.space, to);
+                if constexpr (std::is_same_v<std::decay_t<decltype(primitive)>, Sphere>)
+                    to[1] = static_cast<float>(i);
             });
         });
     }

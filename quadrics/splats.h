@@ -47,8 +47,42 @@ enum class SplatKind {
     Triangle
 }; // cylinders: cones
 inline constexpr int splat_kind_count = 6;
+constexpr SplatKind splat_kind_of(const Sphere&) {
+    return SplatKind::Sphere;
+}
+constexpr SplatKind splat_kind_of(const Ellipsoid&) {
+    return SplatKind::Ellipsoid;
+}
+constexpr SplatKind splat_kind_of(const Cylinder&) {
+    return SplatKind::Cone;
+}
+constexpr SplatKind splat_kind_of(const Cone&) {
+    return SplatKind::Cone;
+}
+constexpr SplatKind splat_kind_of(const ClippedQuadric&) {
+    return SplatKind::General;
+}
+constexpr SplatKind splat_kind_of(const Superquadric&) {
+    return SplatKind::Superquadric;
+}
+
 /// Floats of a splat, by kind; shaders/quadrics/splat.glsl says which.
 inline constexpr std::array<int, splat_kind_count> splat_floats{12, 24, 20, 36, 24, 24};
+
+/// Of these its place in the picture, before its body.
+constexpr int place_floats(SplatKind kind) {
+    return kind == SplatKind::Sphere ? 4 : 8;
+}
+constexpr int body_floats(SplatKind kind) {
+    return splat_floats[static_cast<std::size_t>(kind)] - place_floats(kind);
+}
+
+/// The numbers by which rays meet a primitive in the axes of `space`, body_floats many
+/// (shaders/quadrics/splat.glsl).
+void put_body(const Sphere& sphere, const PictureSpace& space, float* to);
+void put_body(const Superquadric& superquadric, const PictureSpace& space, float* to);
+template<class Primitive>
+void put_body(const Primitive& primitive, const PictureSpace& space, float* to);
 
 /// Pixels from the part's bottom left corner, upwards.
 struct PixelBox {

@@ -106,7 +106,7 @@ struct Accessibility {
     std::optional<double> radius_world; // at k2 = -1/radius the surface is black
 };
 
-/// Ambient occlusion marched in the field.
+/// Ambient occlusion, by rays through fields and among primitives.
 struct Occlusion {
     double strength = 0;
     /// How far occluders count; else a tenth of the diagonal of the surface's box.

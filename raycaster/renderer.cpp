@@ -301,7 +301,10 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
                        look_textures_,
                        look_numbers_,
                        part};
-    if (has_primitives(scene_)) frame.splat_colours = &splat_colours_;
+    if (has_primitives(scene_)) {
+        frame.splat_colours = &splat_colours_;
+        frame.primitives = primitives_.get();
+    }
     const std::vector<Pass> declared = declare_passes(frame);
     const std::vector<Pass> live = live_passes(declared, wanted);
     const auto is_live = [&](FrameImage image) { return frame.live.contains(image); };

@@ -35,7 +35,8 @@ std::vector<FieldObject> objects_of(const Scene& scene) {
 }
 
 CsgTree tree_of(const Scene& scene) {
-    return scene.tree.empty() ? union_of_all(static_cast<int>(scene.objects.size())) : scene.tree;
+    const int count = scene.field ? 1 : static_cast<int>(scene.objects.size());
+    return scene.tree.empty() ? union_of_all(count) : scene.tree;
 }
 
 } // namespace isocast

@@ -89,7 +89,7 @@ struct Scene {
 /// one without
 ///         a field, or a tree that is wrong
 std::vector<FieldObject> objects_of(const Scene& scene);
-/// The tree of `objects`.
+/// The tree of the objects.
 CsgTree tree_of(const Scene& scene);
 /// Whether it takes more than the first hit with one object.
 inline bool is_composed(const Scene& scene) {

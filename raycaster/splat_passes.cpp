@@ -19,19 +19,6 @@ constexpr int vertex_count(SplatKind kind) {
     return kind == SplatKind::Triangle ? 3 : 6;
 }
 
-/// Of shaders/quadrics/cut.glsl.
-struct CutKind {
-    std::size_t planes = 0;
-    CutLook look = CutLook::Inside;
-};
-void add_defines(Defines& defines, const CutKind& cut) {
-    defines.emplace("CUT_PLANES", std::to_string(cut.planes));
-    defines.emplace("CUT_LOOK", std::to_string(cut.planes == 0 ? 0 : static_cast<int>(cut.look)));
-}
-CutKind cut_kind_of(const FrameContext& frame) {
-    return {frame.seen.splats->planes.size(), frame.scene.cut.look};
-}
-
 /// distance  instead of the splat's number: how far away it is
 gl::ProgramKey splat_program(SplatKind kind, bool is_perspective, const CutKind& cut,
                              bool writes_distance = false) {
@@ -42,7 +29,7 @@ gl::ProgramKey splat_program(SplatKind kind, bool is_perspective, const CutKind&
                     {"VERTICES", std::to_string(vertex_count(kind))},
                     {"WRITES_DISTANCE", writes_distance ? "1" : "0"},
                     {"IS_PERSPECTIVE", is_perspective ? "1" : "0"}};
-    add_defines(defines, cut);
+    add_cut_defines(defines, cut);
     return {{"quadrics/splat.vert", "quadrics/splat.frag"}, std::move(defines)};
 }
 
@@ -52,9 +39,8 @@ Defines defines_of(unsigned kinds, bool is_perspective, const CutKind& cut, bool
     Defines defines{{"IS_PERSPECTIVE", is_perspective ? "1" : "0"},
                     {"HAS_NORMALS", has_normals ? "1" : "0"},
                     {"HAS_HESSIAN", has_hessian ? "1" : "0"}};
-    for (unsigned k = 0; k < splat_kind_count; ++k)
-        defines.emplace(fmt::format("HAS_{}", k), (kinds >> k & 1) != 0 ? "1" : "0");
-    add_defines(defines, cut);
+    add_kind_defines(defines, kinds);
+    add_cut_defines(defines, cut);
     return defines;
 }
 
@@ -91,16 +77,7 @@ Defines defines_of(const FrameContext& frame, bool has_hessian) {
 
 /// Of shaders/quadrics/splat.glsl.
 void set_ray_uniforms(const gl::Program& program, const FrameContext& frame) {
-    // Not of what bends the same wherever it is hit.
-    const bool has_planes = program.has("u_cut_planes[0]");
-    for (std::size_t i = 0; has_planes && i < frame.seen.splats->planes.size(); ++i) {
-        const CutPlane& plane = frame.seen.splats->planes[i];
-        const Vec3d normal = frame.camera.view_from_world_rotation() * plane.normal;
-        const double offset = plane.offset_world - plane.normal.dot(frame.camera.eye_world);
-        program.set(fmt::format("u_cut_planes[{}]", i).c_str(),
-                    Eigen::Vector4f(
-                        Eigen::Vector4d(normal.x(), normal.y(), normal.z(), offset).cast<float>()));
-    }
+    set_cut_planes(program, frame, frame.camera.view_from_world_rotation());
     if (!program.has("u_pixel")) return; // flat triangles bend the same for any ray
     program.set("u_middle_pixel", Eigen::Vector2f(0.5F * static_cast<float>(frame.width),
                                                   0.5F * static_cast<float>(frame.height)));
@@ -150,6 +127,34 @@ void draw_splats(const FrameContext& frame, bool writes_distance, Prepare prepar
 }
 
 } // namespace
+
+CutKind cut_kind_of(const FrameContext& frame) {
+    return {frame.seen.splats->planes.size(), frame.scene.cut.look};
+}
+
+void add_cut_defines(std::map<std::string, std::string>& defines, const CutKind& cut) {
+    defines.emplace("CUT_PLANES", std::to_string(cut.planes));
+    defines.emplace("CUT_LOOK", std::to_string(cut.planes == 0 ? 0 : static_cast<int>(cut.look)));
+}
+
+void add_kind_defines(std::map<std::string, std::string>& defines, unsigned kinds) {
+    for (unsigned k = 0; k < splat_kind_count; ++k)
+        defines.emplace(fmt::format("HAS_{}", k), (kinds >> k & 1) != 0 ? "1" : "0");
+}
+
+void set_cut_planes(const gl::Program& program, const FrameContext& frame,
+                    const Mat3d& axes_from_world) {
+    // Not of what bends the same wherever it is hit.
+    if (!program.has("u_cut_planes[0]")) return;
+    for (std::size_t i = 0; i < frame.seen.splats->planes.size(); ++i) {
+        const CutPlane& plane = frame.seen.splats->planes[i];
+        const Vec3d normal = axes_from_world * plane.normal;
+        const double offset = plane.offset_world - plane.normal.dot(frame.camera.eye_world);
+        program.set(fmt::format("u_cut_planes[{}]", i).c_str(),
+                    Eigen::Vector4f(
+                        Eigen::Vector4d(normal.x(), normal.y(), normal.z(), offset).cast<float>()));
+    }
+}
 
 void run_splats(FrameContext& frame) {
     const gl::Texture depth = gl::Texture::image(gl::Format::Depth32f, frame.part.width,

@@ -18,6 +18,19 @@ void resolve_splats(FrameContext& frame);
 /// second order ask for (order 2).
 void draw_splat_derivatives(const FrameContext& frame, int order);
 
+/// Of shaders/quadrics/cut.glsl.
+struct CutKind {
+    std::size_t planes = 0;
+    CutLook look = CutLook::Inside;
+};
+CutKind cut_kind_of(const FrameContext& frame);
+void add_cut_defines(std::map<std::string, std::string>& defines, const CutKind& cut);
+/// HAS_0 ... of shaders; kinds by bits.
+void add_kind_defines(std::map<std::string, std::string>& defines, unsigned kinds);
+/// Of rays in such axes, from the eye.
+void set_cut_planes(const gl::Program& program, const FrameContext& frame,
+                    const Mat3d& axes_from_world);
+
 /// Every program that these can ask for.
 std::vector<gl::ProgramKey> splat_programs();
 

@@ -1,4 +1,4 @@
-// Ambient occlusion, by rays through the field.
+// Ambient occlusion, by rays through fields and among primitives.
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 

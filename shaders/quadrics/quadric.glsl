@@ -98,11 +98,14 @@ ClosestApproach closest_approach_in_view(vec3 centre, vec2 slope) {
     return ClosestApproach(back - centre.z, vec3(slope * back - w, -back));
 }
 
-// The first point along the ray of direction (slope, -1), at t >= t_near.
-QuadricHit first_hit(int kind, Quadric quadric, vec2 slope, float t_near) {
+ClosestApproach closest_approach(vec3 centre, vec3 v) {
+    float t = dot(v, centre) / dot(v, v);
+    return ClosestApproach(t, v * t - centre);
+}
+
+// The first point along the ray of direction v, at t >= t_near.
+QuadricHit first_hit(int kind, Quadric quadric, vec3 v, ClosestApproach closest, float t_near) {
     // To the point of the ray that is closest to the centre, by its distance and then by local.
-    vec3 v = vec3(slope, -1.0);
-    ClosestApproach closest = closest_approach_in_view(quadric.centre, slope);
     vec3 k = quadric.local_from_view * v;
     vec3 p = quadric.local_from_view * closest.y;
     float shift = -dot(p, k) / dot(k, k);
@@ -164,4 +167,8 @@ QuadricHit first_hit(int kind, Quadric quadric, vec2 slope, float t_near) {
         }
     }
     return hit;
+}
+
+QuadricHit first_hit(int kind, Quadric quadric, vec2 slope, float t_near) {
+    return first_hit(kind, quadric, vec3(slope, -1.0), closest_approach_in_view(quadric.centre, slope), t_near);
 }

@@ -22,22 +22,10 @@ vec3 ray_start() { return vec3(u_pixel * (picture_pixel() - u_middle_pixel), 0.0
 vec2 ray_at() { return ray_start().xy; }
 #endif
 
-// Of every kind the first four floats, and of others than spheres two more, are the rectangle, or of
-// triangles another around them.
-// Spheres: corner, size | f(eye), number, 0, 0 | centre, radius; in view space, from the eye.
-QuadricHit sphere_hit(vec4 at_eye, vec4 sphere, vec2 slope, vec3 start, float t_near) {
-    vec3 o = sphere.xyz - start;
-    vec3 v = vec3(slope, -1.0);
+// Roots from the start, by f(start) = gamma: right in front of a large sphere, too.
+QuadricHit sphere_hit(float gamma, float radius, vec3 v, ClosestApproach closest, float t_near) {
     float a = dot(v, v);
-    ClosestApproach closest = closest_approach_in_view(o, slope);
-    float h = sphere.w * sphere.w - dot(closest.y, closest.y); // where it does not cancel
-    // Roots from the start, by f there: right in front of a large sphere, too.
-#if IS_PERSPECTIVE
-    float gamma = at_eye.x;
-#else
-    float distance = length(o);
-    float gamma = (distance - sphere.w) * (distance + sphere.w);
-#endif
+    float h = radius * radius - dot(closest.y, closest.y); // where it does not cancel
     float half_chord = sqrt(max(h / a, 0.0));
     float b = closest.t;
     float q = b + (b < 0.0 ? -half_chord : half_chord);
@@ -45,17 +33,34 @@ QuadricHit sphere_hit(vec4 at_eye, vec4 sphere, vec2 slope, vec3 start, float t_
     float first = min(q, other);
     float t = first >= t_near ? first : max(q, other);
     // By the side of the closest approach that it is on: v t would swallow a small sphere's shape.
-    vec3 normal = (closest.y + v * (first >= t_near ? -half_chord : half_chord)) / sphere.w;
+    vec3 normal = (closest.y + v * (first >= t_near ? -half_chord : half_chord)) / radius;
     return QuadricHit(h >= 0.0 && t >= t_near ? t : nowhere, normal, normal, false);
 }
 
-float depth_inside_sphere(vec4 sphere, vec2 slope, vec3 start, float t) {
+// Of every kind the first four floats, and of others than spheres two more, are the rectangle, or of
+// triangles another around them.
+// Spheres: corner, size | f(eye), number, 0, 0 | centre, radius; in view space, from the eye.
+QuadricHit sphere_hit(vec4 at_eye, vec4 sphere, vec2 slope, vec3 start, float t_near) {
+    vec3 o = sphere.xyz - start;
+#if IS_PERSPECTIVE
+    float gamma = at_eye.x;
+#else
+    float distance = length(o);
+    float gamma = (distance - sphere.w) * (distance + sphere.w);
+#endif
+    return sphere_hit(gamma, sphere.w, vec3(slope, -1.0), closest_approach_in_view(o, slope), t_near);
+}
+
+float depth_inside_sphere(vec4 sphere, vec3 v, vec3 start, float t) {
 #if CUT_PLANES > 0 && CUT_LOOK == 2
-    vec3 q = (vec3(slope, -1.0) * t - (sphere.xyz - start)) / sphere.w;
+    vec3 q = (v * t - (sphere.xyz - start)) / sphere.w;
     return dot(q, q) - 1.0;
 #else
     return 0.0;
 #endif
+}
+float depth_inside_sphere(vec4 sphere, vec2 slope, vec3 start, float t) {
+    return depth_inside_sphere(sphere, vec3(slope, -1.0), start, t);
 }
 
 // Others: corner, side | side, number, 0 | centre, f(eye) | more by kind.

@@ -58,11 +58,9 @@ float first_crossing(Superquadric body, vec3 base, vec3 k, float from, float to)
     return crossing;
 }
 
-// The first point along the ray of direction (slope, -1), at t >= 0.
-QuadricHit superquadric_hit(Superquadric body, vec2 slope, float t_near) {
-    vec3 v = vec3(slope, -1.0);
+// The first point along the ray of direction v, at t >= t_near.
+QuadricHit superquadric_hit(Superquadric body, vec3 v, ClosestApproach closest, float t_near) {
     // From the point of the ray that is closest to the centre, by local distance.
-    ClosestApproach closest = closest_approach_in_view(body.centre, slope);
     vec3 k = body.local_from_view * v;
     vec3 p = body.local_from_view * closest.y;
     float shift = -dot(p, k) / dot(k, k);
@@ -88,14 +86,20 @@ QuadricHit superquadric_hit(Superquadric body, vec2 slope, float t_near) {
                       normalize(transpose(body.local_from_view) * gradient), q, false);
 }
 
+QuadricHit superquadric_hit(Superquadric body, vec2 slope, float t_near) {
+    return superquadric_hit(body, vec3(slope, -1.0), closest_approach_in_view(body.centre, slope), t_near);
+}
+
 // Of caps, as depth_inside_quadric().
-float depth_inside_superquadric(Superquadric body, vec2 slope, float t) {
+float depth_inside_superquadric(Superquadric body, vec3 v, float t) {
 #if CUT_PLANES > 0 && CUT_LOOK == 2
-    vec3 q = body.local_from_view * (vec3(slope, -1.0) * t - body.centre);
-    return superquadric_norm(q, body).w - 1.0;
+    return superquadric_norm(body.local_from_view * (v * t - body.centre), body).w - 1.0;
 #else
     return 0.0;
 #endif
+}
+float depth_inside_superquadric(Superquadric body, vec2 slope, float t) {
+    return depth_inside_superquadric(body, vec3(slope, -1.0), t);
 }
 
 // Of N at q with N(q) = 1.

@@ -44,6 +44,9 @@ uniform vec3 u_extent_hi;
 // Operands: the rays are those of ambient occlusion, not the camera's.
 #include "shading/occlusion/sky.glsl"
 uniform int u_ray; // of each pixel
+uniform mat3 u_index_from_world;
+uniform vec3 u_eye_local;
+uniform float u_lift_world; // of the rays' starts off the surface
 #endif
 #if IS_OPERAND
 // An object of several, searched from its last root on (compose.frag).
@@ -71,10 +74,10 @@ uniform float u_world_from_stored;
 void main() {
     o_hit = vec4(0.0);
 #if IS_TO_SKY
-    Sky sky = sky_of_pixel();
-    vec3 way_of_ray = way_to_sky(sky, u_ray);
+    Sky sky = sky_of_pixel(u_lift_world, 0.0);
+    vec3 way_of_ray = u_index_from_world * way_to_sky(sky, u_ray);
     float voxels = length(way_of_ray); // of a world unit
-    Ray ray = Ray(sky.start, way_of_ray / voxels, vec3(0.0), 0.0);
+    Ray ray = Ray(u_eye_local + u_index_from_world * sky.start, way_of_ray / voxels, vec3(0.0), 0.0);
 #else
     Ray ray = pixel_ray();
 #endif

@@ -7,6 +7,9 @@
 
 uniform vec3 u_extent_lo;
 uniform vec3 u_extent_hi;
+uniform mat3 u_index_from_world;
+uniform vec3 u_eye_local;
+uniform float u_lift_world; // of the rays' starts off the surface
 
 out float o_occlusion;
 
@@ -48,15 +51,16 @@ bool is_blocked(vec3 point, vec3 d, float t_end, float side, Accuracy accuracy) 
 }
 
 void main() {
-    Sky sky = sky_of_pixel();
+    Sky sky = sky_of_pixel(u_lift_world, 0.0);
+    vec3 start = u_eye_local + u_index_from_world * sky.start;
     Accuracy accuracy = accuracy_of_frame();
     // Where the gradient vanishes there is no sky to look at.
     int count = sky.is_there ? u_rays : 0;
     int blocked = 0;
     for (int i = 0; i < count; ++i) {
-        vec3 way = way_to_sky(sky, i);
+        vec3 way = u_index_from_world * way_to_sky(sky, i); // [voxels], for a world unit
         float voxels = length(way);
-        if (is_blocked(sky.start - u_table_lo, way / voxels, u_distance_world * voxels, sky.side, accuracy))
+        if (is_blocked(start - u_table_lo, way / voxels, u_distance_world * voxels, sky.side, accuracy))
             ++blocked;
     }
     o_occlusion = 1.0 - float(blocked) / float(u_rays);

@@ -5,22 +5,20 @@
 
 layout(binding = 3) uniform sampler2D t_hit;
 layout(binding = 4) uniform sampler2D t_gradient;
-uniform mat3 u_index_from_world;
-uniform vec3 u_eye_local;
 uniform mat3 u_view_vector; // world axes, affine in the pixel: towards the scene
 uniform int u_rays;
 uniform float u_distance_world; // how far occluders count
-uniform float u_lift_world;     // of the rays' starts off the surface
 
 struct Sky {
     bool is_there; // there is a hit, and its gradient does not vanish
-    vec3 start;    // local index coordinates
+    vec3 start;    // from the eye, world axes
     float side;    // of the surface on which rays start
     mat3 axes;     // world axes: two tangents and the normal
     float turns;   // of the rays' directions
 };
 
-Sky sky_of_pixel() {
+// lift_world, lift_share  of the start off the surface, the second by its distance from the eye
+Sky sky_of_pixel(float lift_world, float lift_share) {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec4 hit = texelFetch(t_hit, pixel, 0);
     vec3 gradient = texelFetch(t_gradient, pixel, 0).xyz;
@@ -33,13 +31,13 @@ Sky sky_of_pixel() {
     float b = n.x * n.y * a;
     vec3 u = vec3(1.0 + s * n.x * n.x * a, s * b, -s * n.x);
     vec3 v = vec3(b, s + n.y * n.y * a, -n.y);
-    vec3 start = u_eye_local + u_index_from_world * (hit.xyz + u_lift_world * n);
+    vec3 start = hit.xyz + (lift_world + lift_share * length(hit.xyz)) * n;
     return Sky(hit.w != 0.0 && length_g > 0.0, start, side, mat3(u, v, n), turns_of_pixel(picture_pixel()));
 }
 
-// The way of ray i [voxels], for a world unit.
+// The direction of ray i.
 vec3 way_to_sky(Sky sky, int i) {
     // Even on the disc below the sky, so by the cosine on the sky.
     vec2 q = disc_point(i, u_rays, sky.turns);
-    return u_index_from_world * (sky.axes * vec3(q, sqrt(1.0 - dot(q, q))));
+    return sky.axes * vec3(q, sqrt(1.0 - dot(q, q)));
 }

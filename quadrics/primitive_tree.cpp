@@ -215,10 +215,7 @@ PrimitiveTree tree_of(const Primitives& primitives, const Vec3d& eye_world,
                       const std::vector<CutPlane>& planes) {
     std::vector<Item> items = items_of(primitives, eye_world, planes);
     std::vector<Node> nodes;
-    if (items.empty())
-        nodes.emplace_back(); // whose box no ray meets
-    else
-        build(items, nodes);
+    if (!items.empty()) build(items, nodes);
     PrimitiveTree tree;
     std::vector<std::size_t> starts; // of bodies, by items
     std::size_t float_count = 0;

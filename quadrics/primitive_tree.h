@@ -28,7 +28,7 @@ inline constexpr int most_in_leaf = 4;
 ///
 /// primitives  checked, without dots
 /// planes      with unit normals; what lies in front of one is left out
-/// returns     at least one node; it is empty if nothing is left
+/// returns     no nodes if nothing is left
 /// accuracy    boxes have 2^-21 of their corners' distance from the eye to spare, more than their
 ///             and the bodies' roundings
 /// source      the surface area heuristic by bins: Wald 2007

@@ -155,10 +155,17 @@ void run_occlusion(FrameContext& frame) {
     }
     std::optional<TreeOnGpu> tree;
     if (frame.primitives != nullptr) {
-        tree.emplace(tree_of(*frame.primitives, frame.camera.eye_world, frame.seen.splats->planes));
-        frame.scratch_bytes += tree->nodes.buffer.byte_count() + tree->bodies.buffer.byte_count();
+        const PrimitiveTree on_cpu =
+            tree_of(*frame.primitives, frame.camera.eye_world, frame.seen.splats->planes);
+        if (!on_cpu.nodes.empty()) tree.emplace(on_cpu); // not all is cut away
     }
-    if (frame.one == nullptr) {
+    if (tree)
+        frame.scratch_bytes += tree->nodes.buffer.byte_count() + tree->bodies.buffer.byte_count();
+    if (frame.one == nullptr && !tree) {
+        const Eigen::Vector4f all = Eigen::Vector4f::UnitX();
+        frame.targets.framebuffer(FrameImage::Occlusion).bind();
+        glClearBufferfv(GL_COLOR, 0, all.data());
+    } else if (frame.one == nullptr) {
         const gl::Program& program =
             frame.shaders.program(primitives_program(tree->kinds, cut_kind_of(frame)));
         set_tree_uniforms(program, frame, *tree, distance);

@@ -135,12 +135,11 @@ bool meets_any(vec3 start, vec3 v, float t_end) {
             Superquadric body = superquadric_of(texelFetch(t_bodies, leaf), texelFetch(t_bodies, leaf + 1),
                                                 texelFetch(t_bodies, leaf + 2), texelFetch(t_bodies, leaf + 3),
                                                 start);
-            // N is convex: what starts on the surface and leaves does not come back. As far off as the start
-            // may be, and Newton's steps end.
+            // N is convex: what starts on the surface, as far as Newton's steps know it, and leaves does
+            // not come back.
             mat3 m = body.local_from_view;
             vec4 n = superquadric_norm(-(m * body.centre), body);
-            float spare = lift_share * length(start) * length(transpose(m) * n.xyz) + exp2(-20.0);
-            bool leaves = kept.t_near == 0.0 && n.w >= 1.0 - spare && dot(n.xyz, m * v) >= 0.0;
+            bool leaves = kept.t_near == 0.0 && n.w >= 1.0 - exp2(-20.0) && dot(n.xyz, m * v) >= 0.0;
             QuadricHit hit = superquadric_hit(body, v, closest_approach(body.centre, v), kept.t_near);
             hit = cut_hit(hit, kept, v, depth_inside_superquadric(body, v, kept.t_near));
             is_met = !leaves && hit.t <= range.y;

@@ -80,12 +80,6 @@ void use_huge_pages(void* memory, std::int64_t byte_count) {
     if (begin < end) madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
 }
 
-/// Of the current context.
-bool is_software_rasteriser() {
-    const std::string_view renderer(reinterpret_cast<const char*>(glGetString(GL_RENDERER)));
-    return renderer.find("llvmpipe") != renderer.npos || renderer.find("softpipe") != renderer.npos;
-}
-
 } // namespace
 
 void delete_buffer(unsigned id) noexcept {
@@ -126,8 +120,7 @@ Buffer Buffer::writable(std::int64_t byte_count, std::string_view label) {
     glCreateBuffers(1, &id);
     buffer.handle_ = Handle<delete_buffer>(id);
     set_label(GL_BUFFER, id, label);
-    glNamedBufferStorage(id, buffer.byte_count_, nullptr,
-                         GL_MAP_WRITE_BIT | GL_DYNAMIC_STORAGE_BIT);
+    glNamedBufferStorage(id, buffer.byte_count_, nullptr, GL_MAP_WRITE_BIT);
     throw_if_out_of_memory(buffer.byte_count_, label);
     return buffer;
 }
@@ -135,14 +128,6 @@ Buffer Buffer::writable(std::int64_t byte_count, std::string_view label) {
 void Buffer::write(std::int64_t offset, std::int64_t byte_count,
                    const std::function<void(std::span<std::byte>)>& write) {
     if (byte_count == 0) return;
-    // In the GL's own memory where that is main memory. NVIDIA (580.159, H100) now and then shows
-    // shaders what was there before a mapping, also after a glFinish: it gets a copy.
-    if (!is_software_rasteriser()) {
-        std::vector<std::byte> staging(static_cast<std::size_t>(byte_count));
-        write(staging);
-        glNamedBufferSubData(id(), offset, byte_count, staging.data());
-        return;
-    }
     void* memory = glMapNamedBufferRange(id(), offset, byte_count,
                                          GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_RANGE_BIT);
     if (!memory) throw GlError(fmt::format("cannot map {} MiB of a buffer", byte_count >> 20));

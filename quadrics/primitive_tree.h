@@ -21,7 +21,8 @@ struct PrimitiveTree {
     unsigned kinds = 0; // SplatKind, by bits
 };
 
-/// Of a leaf, all of one kind. 4: of 1 to 8 the fastest for molecules.
+/// Of a leaf, all of one kind. 4: from 1 to 8 all take the same time
+/// within 5 % (1tii, 52,000 spheres), and nodes become fewer.
 inline constexpr int most_in_leaf = 4;
 
 /// Split where the expected number of box tests is least, by 16 bins along the longest side.

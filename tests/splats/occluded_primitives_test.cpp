@@ -162,7 +162,7 @@ struct OccludedPrimitives : testing::Test {
 
 /// Rays that graze something within the floats' 1e-6 may go either way: of a pixel's 16, among some
 /// 50 outlines in sight, each as long as the sky is wide, 16 * 50 * 1e-6; and the same 1e-6 decides
-/// near starts in creases. Four pixels of a thousand would be ten times as many.
+/// near starts in creases. Four pixels of a thousand would be five times as many.
 constexpr double few = 0.004;
 
 TEST_F(OccludedPrimitives, CountTheRaysThatMeetAnyKind) {

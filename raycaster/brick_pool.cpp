@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <bit>
@@ -190,7 +191,11 @@ std::int64_t BrickPool::first_texel_of_page(const Index3& page) const {
 
 void BrickPool::read_page(const Index3& page, Workspace& work) const {
     const Index3 first = (page_size * page.array() - filter_support_below).matrix();
-    control_->copy_box({first, (first.array() + page_samples).matrix()}, 0, work.values);
+    // Some fields compute a box by all threads. Alone: while this one waits for the others it would
+    // otherwise begin another page, with the same memory.
+    tbb::this_task_arena::isolate([&] {
+        control_->copy_box({first, (first.array() + page_samples).matrix()}, 0, work.values);
+    });
     for (float& value : work.values) value -= iso_;
     if (options_.format == SampleFormat::Float32) return;
     for (std::size_t k = 0; k < samples_per_page; ++k) {

@@ -8,6 +8,8 @@
 #include "volume/errors.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
 
 #include <cmath>
 #include <limits>
@@ -65,6 +67,26 @@ TEST_F(StoredPictures, AreTheSameHoweverFewBricksFit) {
             }
         }
     }
+}
+
+/// A field that computes a box by many threads can be asked for it by many: while one waits for its
+/// own box it must not begin another with the same memory.
+TEST_F(StoredPictures, AreTheSameHoweverManyThreadsCutBricks) {
+    const auto draw_it = [&] { // control samples are the field's own
+        return draw({}, {}, Projection::Perspective, Filter::BSpline);
+    };
+    const Pictures expected = draw_it();
+    constexpr int threads = 16;
+    const tbb::global_control many(tbb::global_control::max_allowed_parallelism, threads);
+    tbb::task_arena arena(threads);
+    arena.execute([&] {
+        for (int run = 0; run < 20; ++run) {
+            renderer.load({.field = sampled(builtin_field("gyroid"), 16)}); // not that of before
+            const Pictures drawn = draw_it();
+            ASSERT_EQ(drawn.hits.rgba, expected.hits.rgba) << run;
+            ASSERT_EQ(drawn.gradients.rgba, expected.gradients.rgba) << run;
+        }
+    });
 }
 
 TEST_F(StoredPictures, NeedRoomForOneBrick) {

@@ -3,6 +3,7 @@
 #include "../quadrics/random_primitives.h"
 #include "quadrics/splats.h"
 #include "splat_judge.h"
+#include "test_context.h"
 
 namespace isocast::test {
 namespace {
@@ -35,7 +36,7 @@ TEST(Dot, HasAnImageWhoseLesserSemiAxisIsSoManyPixels) {
 }
 
 struct Dots : testing::Test {
-    std::unique_ptr<gl::Context> context = gl::make_context({.backend = gl::Backend::Osmesa});
+    std::unique_ptr<gl::Context> context = test::make_context();
     Renderer renderer{*context, shader_folder};
     Camera camera{.eye_world = {0, 0, 5}, .target_world = Vec3d::Zero()};
     Random random{3};

@@ -5,6 +5,7 @@
 #include "filtering/curvature.h"
 #include "quadrics/superquadric.h"
 #include "splat_judge.h"
+#include "test_context.h"
 
 #include <fstream>
 
@@ -19,7 +20,7 @@ const std::filesystem::path shader_folder = std::filesystem::path(ISOCAST_SOURCE
 constexpr double silhouette = 32 * 0x1p-23;
 
 struct SuperquadricSplat : testing::Test {
-    std::unique_ptr<gl::Context> context = gl::make_context({.backend = gl::Backend::Osmesa});
+    std::unique_ptr<gl::Context> context = test::make_context();
     Renderer renderer{*context, shader_folder};
     Camera camera{.eye_world = {0.3, 0.4, 6}, .target_world = Vec3d::Zero()};
     Random random{5};

@@ -4,6 +4,7 @@
 #include "../quadrics/random_primitives.h"
 #include "distance_transform/sample_meshes.h"
 #include "splat_judge.h"
+#include "test_context.h"
 #include "volume/errors.h"
 
 #include <gmock/gmock.h>
@@ -34,7 +35,7 @@ std::vector<TriangleMesh> apart(const TriangleMesh& mesh) {
 }
 
 struct Triangles : testing::Test {
-    std::unique_ptr<gl::Context> context = gl::make_context({.backend = gl::Backend::Osmesa});
+    std::unique_ptr<gl::Context> context = test::make_context();
     Renderer renderer{*context, shader_folder};
     Camera camera{.eye_world = {0.3, 0.4, 6}, .target_world = Vec3d::Zero()};
     Random random{11};

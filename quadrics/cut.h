@@ -5,7 +5,10 @@
 #include "quadrics/quadric.h"
 #include "quadrics/superquadric.h"
 
+#include <algorithm>
 #include <optional>
+#include <span>
+#include <vector>
 
 namespace isocast {
 
@@ -44,6 +47,14 @@ struct Reach {
 template<class Primitive>
 Reach reach_along(const Primitive& primitive, const Vec3d& n) {
     return {n.dot(farthest_point(primitive, Vec3d(-n))), n.dot(farthest_point(primitive, n))};
+}
+
+/// Whether the planes, of unit normals, leave nothing of it.
+template<class Primitive>
+bool is_cut_away(const Primitive& primitive, std::span<const CutPlane> planes) {
+    return std::ranges::any_of(planes, [&](const CutPlane& plane) {
+        return reach_along(primitive, plane.normal).least >= plane.offset_world;
+    });
 }
 
 /// How deep p is inside a solid: from -1 on inside, 0 on the surface, more outside. Open cylinders

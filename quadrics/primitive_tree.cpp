@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "quadrics/primitive_tree.h"
 
-#include <tbb/parallel_for.h>
+#include "quadrics/in_parallel.h"
+
 #include <tbb/parallel_invoke.h>
 
 #include <algorithm>
@@ -35,11 +36,13 @@ Box rounded(const Eigen::AlignedBox3d& box) {
     return {(box.min().array() - spare).cast<float>(), (box.max().array() + spare).cast<float>()};
 }
 
+/// From the eye; empty if nothing of it is to be met.
 template<class Primitive>
 Box box_of(const Primitive& primitive, const Vec3d& eye_world,
            const std::vector<CutPlane>& planes) {
-    for (const CutPlane& plane : planes)
-        if (reach_along(primitive, plane.normal).least >= plane.offset_world) return {};
+    if (is_cut_away(primitive, planes)) return {};
+    if constexpr (std::is_same_v<Primitive, Triangle>)
+        if (area_normal(primitive).isZero(0)) return {};
     Eigen::AlignedBox3d box;
     for (int axis = 0; axis < 3; ++axis) {
         const Reach reach = reach_along(primitive, Vec3d(Vec3d::Unit(axis)));
@@ -47,27 +50,6 @@ Box box_of(const Primitive& primitive, const Vec3d& eye_world,
         box.max()[axis] = reach.greatest - eye_world[axis];
     }
     return rounded(box);
-}
-
-Box box_of(const Triangle& triangle, const Vec3d& eye_world, const std::vector<CutPlane>& planes) {
-    if (area_normal(triangle).isZero(0)) return {};
-    for (const CutPlane& plane : planes)
-        if (std::ranges::all_of(triangle.corners_world, [&](const Vec3d& corner) {
-                return plane.normal.dot(corner) >= plane.offset_world;
-            }))
-            return {};
-    Eigen::AlignedBox3d box;
-    for (const Vec3d& corner : triangle.corners_world) box.extend(Vec3d(corner - eye_world));
-    return rounded(box);
-}
-
-/// Calls f(i) for all i, on all cores.
-template<class Function>
-void in_parallel(std::size_t count, Function f) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 256),
-                      [&](const tbb::blocked_range<std::size_t>& range) {
-                          for (std::size_t i = range.begin(); i < range.end(); ++i) f(i);
-                      });
 }
 
 std::vector<Item> items_of(const Primitives& primitives, const Vec3d& eye_world,

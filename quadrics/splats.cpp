@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "quadrics/splats.h"
 
+#include "quadrics/in_parallel.h"
 #include "quadrics/quadric.h"
 #include "quadrics/superquadric.h"
 #include "quadrics/triangle_splats.h"
 #include "quadrics/visibility.h"
-
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -53,6 +52,7 @@ std::optional<Primitive> thinned_out(const Primitive& primitive, std::uint64_t, 
 template<>
 std::optional<Sphere> thinned_out(const Sphere& sphere, std::uint64_t number,
                                   const SplatView& view) {
+    if (view.detail_pixels == 0) return sphere;
     const double size =
         radius_in_pixels(sphere.centre_world, sphere.radius_world, view) / view.detail_pixels;
     if (!(size < 1)) return sphere;
@@ -64,6 +64,7 @@ std::optional<Sphere> thinned_out(const Sphere& sphere, std::uint64_t number,
 template<>
 std::optional<Cylinder> thinned_out(const Cylinder& stick, std::uint64_t number,
                                     const SplatView& view) {
+    if (view.detail_pixels == 0) return stick;
     const Vec3d middle = (stick.a_world + stick.b_world) / 2;
     const double size = radius_in_pixels(middle, stick.radius_world, view) / view.detail_pixels;
     if (!(size < 1)) return stick;
@@ -203,14 +204,11 @@ Footprint footprint_of(const ClippedQuadric& quadric, const SplatView& view) {
 /// The same of what the planes leave. What is cut hides nothing.
 template<class Primitive>
 Footprint footprint_behind_planes(const Primitive& primitive, const SplatView& view) {
-    bool is_cut = false;
-    for (const CutPlane& plane : view.planes) {
-        const Reach reach = reach_along(primitive, plane.normal);
-        if (reach.least >= plane.offset_world) return nothing;
-        is_cut = is_cut || reach.greatest > plane.offset_world;
-    }
+    if (is_cut_away(primitive, view.planes)) return nothing;
     Footprint footprint = footprint_of(primitive, view);
-    if (is_cut) footprint.disc_radius = 0;
+    for (const CutPlane& plane : view.planes)
+        if (reach_along(primitive, plane.normal).greatest > plane.offset_world)
+            footprint.disc_radius = 0;
     return footprint;
 }
 
@@ -239,14 +237,6 @@ void write_place(const Primitive& primitive, double number, const SplatView& vie
     Record record(to);
     record.put({r.corner.x(), r.corner.y(), r.side_a.x(), r.side_a.y()});
     record.put({r.side_b.x(), r.side_b.y(), number, 0});
-}
-
-template<class Function>
-void in_parallel(std::size_t count, Function f) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 256),
-                      [&](const tbb::blocked_range<std::size_t>& range) {
-                          for (std::size_t i = range.begin(); i < range.end(); ++i) f(i);
-                      });
 }
 
 } // namespace

@@ -38,32 +38,22 @@ Primitives with_dots_as_spheres(Primitives primitives, const PictureSpace& space
                                 double pixels_per_unit);
 
 /// Which code meets a splat's rays.
-enum class SplatKind {
-    Sphere,
-    Ellipsoid,
-    Cone,
-    General,
-    Superquadric,
-    Triangle
-}; // cylinders: cones
+enum class SplatKind { Sphere, Ellipsoid, Cone, General, Superquadric, Triangle };
 inline constexpr int splat_kind_count = 6;
-constexpr SplatKind splat_kind_of(const Sphere&) {
-    return SplatKind::Sphere;
-}
-constexpr SplatKind splat_kind_of(const Ellipsoid&) {
-    return SplatKind::Ellipsoid;
-}
-constexpr SplatKind splat_kind_of(const Cylinder&) {
-    return SplatKind::Cone;
-}
-constexpr SplatKind splat_kind_of(const Cone&) {
-    return SplatKind::Cone;
-}
-constexpr SplatKind splat_kind_of(const ClippedQuadric&) {
-    return SplatKind::General;
-}
-constexpr SplatKind splat_kind_of(const Superquadric&) {
-    return SplatKind::Superquadric;
+inline constexpr unsigned all_splat_kinds = (1U << splat_kind_count) - 1; // by bits
+template<class Primitive>
+inline constexpr SplatKind splat_kind = SplatKind::Cone; // of cylinders, too
+template<>
+inline constexpr SplatKind splat_kind<Sphere> = SplatKind::Sphere;
+template<>
+inline constexpr SplatKind splat_kind<Ellipsoid> = SplatKind::Ellipsoid;
+template<>
+inline constexpr SplatKind splat_kind<ClippedQuadric> = SplatKind::General;
+template<>
+inline constexpr SplatKind splat_kind<Superquadric> = SplatKind::Superquadric;
+template<class Primitive>
+constexpr SplatKind splat_kind_of(const Primitive&) {
+    return splat_kind<Primitive>;
 }
 
 /// Floats of a splat, by kind; shaders/quadrics/splat.glsl says which.

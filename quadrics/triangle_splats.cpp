@@ -172,12 +172,7 @@ void append_splats(const TriangleMesh& mesh, const MeshNumbers& numbers, const S
         const std::size_t end = std::min((b + 1) * block, mesh.triangles.size());
         for (std::size_t i = b * block; i < end; ++i) {
             const Triangle triangle = triangle_of(mesh, i);
-            const bool is_cut_away = std::ranges::any_of(view.planes, [&](const CutPlane& plane) {
-                return std::ranges::all_of(triangle.corners_world, [&](const Vec3d& corner) {
-                    return plane.normal.dot(corner) >= plane.offset_world;
-                });
-            });
-            if (is_cut_away) continue;
+            if (is_cut_away(triangle, view.planes)) continue;
             const auto cover = cover_of(triangle, view);
             if (!cover) continue;
             const TriangleRay ray = ray_of(triangle, view.space);

@@ -4,6 +4,7 @@
 
 #include "volume/grid_space.h"
 
+#include <algorithm>
 #include <array>
 #include <span>
 #include <vector>
@@ -40,6 +41,12 @@ inline Triangle triangle_of(const TriangleMesh& mesh, std::size_t i) {
 inline Vec3d area_normal(const Triangle& triangle) {
     const auto& [a, b, c] = triangle.corners_world;
     return (b - a).cross(c - a);
+}
+
+/// The corner that is farthest in the direction d.
+inline const Vec3d& farthest_point(const Triangle& triangle, const Vec3d& d) {
+    return *std::ranges::max_element(triangle.corners_world, {},
+                                     [&](const Vec3d& corner) { return d.dot(corner); });
 }
 
 /// As `normals_world` has them, of flat faces too.

@@ -151,8 +151,9 @@ void Renderer::load(Scene scene, const Progress& progress) {
     primitives_ = scene_.primitives;
     primitives_box_ = {};
     if (has_primitives(scene_)) {
+        const Primitives& some = *scene_.primitives;
         const std::vector<Eigen::Vector4f> colours =
-            colours_of(with_dots_as_spheres(*scene_.primitives, {}, 1));
+            some.dots.empty() ? colours_of(some) : colours_of(with_dots_as_spheres(some, {}, 1));
         splat_colours_ = {std::as_bytes(std::span(colours)), gl::Format::Rgba32f,
                           "colours of primitives"};
         if (const auto normals = normals_of(*scene_.primitives); !normals.empty())

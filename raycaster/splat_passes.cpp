@@ -25,7 +25,7 @@ gl::ProgramKey splat_program(SplatKind kind, bool is_perspective, const CutKind&
     const auto k = static_cast<std::size_t>(kind);
     Defines defines{{"KIND", std::to_string(k)},
                     {"FLOATS4", std::to_string(splat_floats[k] / 4)},
-                    {"PLACE4", kind == SplatKind::Sphere ? "1" : "2"}, // of the rectangle
+                    {"PLACE4", std::to_string(place_floats(kind) / 4)}, // of the rectangle
                     {"VERTICES", std::to_string(vertex_count(kind))},
                     {"WRITES_DISTANCE", writes_distance ? "1" : "0"},
                     {"IS_PERSPECTIVE", is_perspective ? "1" : "0"}};
@@ -243,8 +243,9 @@ std::vector<gl::ProgramKey> splat_programs() {
                 keys.push_back(splat_program(kind, is_perspective, {2, look}));
         }
         for (const CutLook look : {CutLook::Inside, CutLook::Flat, CutLook::Capped})
-            keys.push_back(resolve_program(defines_of(63, is_perspective, {1, look}, true, false),
-                                           true, true, true));
+            keys.push_back(
+                resolve_program(defines_of(all_splat_kinds, is_perspective, {1, look}, true, false),
+                                true, true, true));
         // Kinds add code, each its own: each alone and all together.
         for (const auto& [kinds, has_normals] : {std::pair{1U, false},
                                                  {2U, false},
@@ -253,7 +254,7 @@ std::vector<gl::ProgramKey> splat_programs() {
                                                  {16U, false},
                                                  {32U, false},
                                                  {32U, true},
-                                                 {63U, true}}) {
+                                                 {all_splat_kinds, true}}) {
             const auto defines = [&, kinds = kinds, has_normals = has_normals](bool has_hessian) {
                 return defines_of(kinds, is_perspective, {}, has_normals, has_hessian);
             };

@@ -186,13 +186,12 @@ std::vector<gl::ProgramKey> occlusion_programs() {
         for (const gl::ProgramKey& key : {occlusion_program(defines), sky_operand_program(defines)})
             keys.push_back(key);
     keys.push_back(count_program({}, {}));
-    constexpr unsigned all = (1U << splat_kind_count) - 1;
     for (unsigned k = 0; k < splat_kind_count; ++k) keys.push_back(primitives_program(1U << k, {}));
-    keys.push_back(primitives_program(all, {}));
-    keys.push_back(count_program(all, {}));
+    keys.push_back(primitives_program(all_splat_kinds, {}));
+    keys.push_back(count_program(all_splat_kinds, {}));
     for (const CutLook look : {CutLook::Inside, CutLook::Flat, CutLook::Capped}) {
-        keys.push_back(primitives_program(all, {2, look}));
-        keys.push_back(count_program(all, {2, look}));
+        keys.push_back(primitives_program(all_splat_kinds, {2, look}));
+        keys.push_back(count_program(all_splat_kinds, {2, look}));
     }
     return keys;
 }

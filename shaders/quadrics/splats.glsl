@@ -55,6 +55,12 @@ float width_on_picture(Seen seen) {
     return clamp(pixels / 16.0, 1e-3, 1.0);
 }
 
+Seen seen_quadric(int kind, Quadric quadric, float number, vec2 slope, Kept kept) {
+    QuadricHit hit = first_hit(kind, quadric, slope, kept.t_near);
+    hit = cut_hit(hit, kept, slope, depth_inside_quadric(kind, quadric, slope, kept.t_near));
+    return Seen(hit, number, width_of(quadric.local_from_view), hessian_of(kind, quadric, hit));
+}
+
 // Loops for conditions, since software rasterisers run all sides of a condition; what ends them is
 // computed, or the compiler would see that they run but once.
 Seen seen_splat(int slot) {
@@ -84,9 +90,7 @@ Seen seen_splat(int slot) {
                                        texelFetch(t_splats[1], at + 3),
                                        texelFetch(t_splats[1], at + 4),
                                        texelFetch(t_splats[1], at + 5), start);
-        QuadricHit hit = first_hit(ball, quadric, slope, kept.t_near);
-        hit = cut_hit(hit, kept, slope, depth_inside_quadric(ball, quadric, slope, kept.t_near));
-        seen = Seen(hit, texelFetch(t_splats[1], at + 1).z, width_of(quadric.local_from_view), hessian_of(ball, quadric, hit));
+        seen = seen_quadric(ball, quadric, texelFetch(t_splats[1], at + 1).z, slope, kept);
     }
 #endif
 #if HAS_2
@@ -95,9 +99,7 @@ Seen seen_splat(int slot) {
         Quadric quadric = cone_of(texelFetch(t_splats[2], at + 2),
                                        texelFetch(t_splats[2], at + 3),
                                        texelFetch(t_splats[2], at + 4), start);
-        QuadricHit hit = first_hit(cone, quadric, slope, kept.t_near);
-        hit = cut_hit(hit, kept, slope, depth_inside_quadric(cone, quadric, slope, kept.t_near));
-        seen = Seen(hit, texelFetch(t_splats[2], at + 1).z, width_of(quadric.local_from_view), hessian_of(cone, quadric, hit));
+        seen = seen_quadric(cone, quadric, texelFetch(t_splats[2], at + 1).z, slope, kept);
     }
 #endif
 #if HAS_3
@@ -110,9 +112,7 @@ Seen seen_splat(int slot) {
                                        texelFetch(t_splats[3], at + 6),
                                        texelFetch(t_splats[3], at + 7),
                                        texelFetch(t_splats[3], at + 8), start);
-        QuadricHit hit = first_hit(general, quadric, slope, kept.t_near);
-        hit = cut_hit(hit, kept, slope, depth_inside_quadric(general, quadric, slope, kept.t_near));
-        seen = Seen(hit, texelFetch(t_splats[3], at + 1).z, width_of(quadric.local_from_view), hessian_of(general, quadric, hit));
+        seen = seen_quadric(general, quadric, texelFetch(t_splats[3], at + 1).z, slope, kept);
     }
 #endif
 #if HAS_4

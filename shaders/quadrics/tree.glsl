@@ -36,6 +36,13 @@ float sphere_value_at(vec3 start, float at_eye, vec4 sphere) {
     return at_eye <= 15.0 * sphere.w * sphere.w ? by_eye : (distance - sphere.w) * (distance + sphere.w);
 }
 
+// From anywhere; the quadric as seen from the eye.
+float quadric_distance(int kind, Quadric quadric, vec3 start, vec3 v, Kept kept) {
+    quadric = seen_from_start(kind, quadric, start);
+    QuadricHit hit = first_hit(kind, quadric, v, closest_approach(quadric.centre, v), kept.t_near);
+    return cut_hit(hit, kept, v, depth_inside_quadric(kind, quadric, v, kept.t_near)).t;
+}
+
 #if HAS_5
 // The same signs as quadrics/triangle.glsl, by the corners.
 float triangle_distance(vec3 corners[3], vec4 plane, vec3 start, vec3 v) {
@@ -97,37 +104,26 @@ bool meets_any(vec3 start, vec3 v, float t_end) {
 #endif
 #if HAS_1
         for (int left = kind == 1 ? count : 0; left > 0 && !is_met; --left, leaf += 4) {
-            Quadric quadric = seen_from_start(
-                ball, ellipsoid_of(texelFetch(t_bodies, leaf), texelFetch(t_bodies, leaf + 1),
-                                   texelFetch(t_bodies, leaf + 2), texelFetch(t_bodies, leaf + 3), vec3(0.0)),
-                start);
-            QuadricHit hit = first_hit(ball, quadric, v, closest_approach(quadric.centre, v), kept.t_near);
-            hit = cut_hit(hit, kept, v, depth_inside_quadric(ball, quadric, v, kept.t_near));
-            is_met = hit.t <= range.y;
+            Quadric quadric = ellipsoid_of(texelFetch(t_bodies, leaf), texelFetch(t_bodies, leaf + 1),
+                                           texelFetch(t_bodies, leaf + 2), texelFetch(t_bodies, leaf + 3),
+                                           vec3(0.0));
+            is_met = quadric_distance(ball, quadric, start, v, kept) <= range.y;
         }
 #endif
 #if HAS_2
         for (int left = kind == 2 ? count : 0; left > 0 && !is_met; --left, leaf += 3) {
-            Quadric quadric = seen_from_start(
-                cone, cone_of(texelFetch(t_bodies, leaf), texelFetch(t_bodies, leaf + 1),
-                              texelFetch(t_bodies, leaf + 2), vec3(0.0)),
-                start);
-            QuadricHit hit = first_hit(cone, quadric, v, closest_approach(quadric.centre, v), kept.t_near);
-            hit = cut_hit(hit, kept, v, depth_inside_quadric(cone, quadric, v, kept.t_near));
-            is_met = hit.t <= range.y;
+            Quadric quadric = cone_of(texelFetch(t_bodies, leaf), texelFetch(t_bodies, leaf + 1),
+                                      texelFetch(t_bodies, leaf + 2), vec3(0.0));
+            is_met = quadric_distance(cone, quadric, start, v, kept) <= range.y;
         }
 #endif
 #if HAS_3
         for (int left = kind == 3 ? count : 0; left > 0 && !is_met; --left, leaf += 7) {
-            Quadric quadric = seen_from_start(
-                general, general_of(texelFetch(t_bodies, leaf), texelFetch(t_bodies, leaf + 1),
-                                    texelFetch(t_bodies, leaf + 2), texelFetch(t_bodies, leaf + 3),
-                                    texelFetch(t_bodies, leaf + 4), texelFetch(t_bodies, leaf + 5),
-                                    texelFetch(t_bodies, leaf + 6), vec3(0.0)),
-                start);
-            QuadricHit hit = first_hit(general, quadric, v, closest_approach(quadric.centre, v), kept.t_near);
-            hit = cut_hit(hit, kept, v, depth_inside_quadric(general, quadric, v, kept.t_near));
-            is_met = hit.t <= range.y;
+            Quadric quadric = general_of(texelFetch(t_bodies, leaf), texelFetch(t_bodies, leaf + 1),
+                                         texelFetch(t_bodies, leaf + 2), texelFetch(t_bodies, leaf + 3),
+                                         texelFetch(t_bodies, leaf + 4), texelFetch(t_bodies, leaf + 5),
+                                         texelFetch(t_bodies, leaf + 6), vec3(0.0));
+            is_met = quadric_distance(general, quadric, start, v, kept) <= range.y;
         }
 #endif
 #if HAS_4

@@ -208,17 +208,10 @@ TEST_F(Occlusions, OfAUnionOfTwoBallsCountTheRaysThatMeetTheOther) {
         const int own = std::lround(hits.pixel(at.x, at.y)[3]) - 1;
         const Ball& other = balls[static_cast<std::size_t>(1 - own)];
         const Vec3d n = (at.p - balls[static_cast<std::size_t>(own)].centre).normalized();
-        // Duff's tangents, as sky.glsl has them.
-        const double s = n.z() < 0 ? -1 : 1;
-        const double a = -1 / (s + n.z());
-        const double b = n.x() * n.y() * a;
-        const Vec3d u(1 + s * n.x() * n.x() * a, s * b, -s * n.x());
-        const Vec3d v(b, s + n.y() * n.y() * a, -n.y());
         int blocked = 0;
         for (int i = 0; i < rays; ++i) {
-            const Eigen::Vector2d q =
-                disc_point(i, rays, turns_of_pixel(at.x + 0.5, size - at.y - 0.5));
-            const Vec3d d = q.x() * u + q.y() * v + std::sqrt(1 - q.squaredNorm()) * n;
+            const Vec3d d =
+                sky_direction(i, rays, turns_of_pixel(at.x + 0.5, size - at.y - 0.5), n);
             blocked += (other.centre - at.p).dot(d) > 0 &&
                        (other.centre - at.p).cross(d).norm() < other.radius;
         }

@@ -1,8 +1,8 @@
 // Primitives that planes cut open, against a double ray caster.
 // SPDX-License-Identifier: MPL-2.0
-#include "../quadrics/random_primitives.h"
 #include "raycaster/splat_passes.h"
 #include "raycaster/splats_on_gpu.h"
+#include "some_primitives.h"
 #include "splat_judge.h"
 #include "test_context.h"
 #include "volume/errors.h"
@@ -26,28 +26,6 @@ struct Cuts : testing::Test {
     }
 };
 
-Primitives some_of_every_kind(Random& random) {
-    Primitives primitives;
-    for (int i = 0; i < 6; ++i) {
-        primitives.spheres.push_back(random.sphere());
-        primitives.spheres.back().radius_world *= 0.5;
-        primitives.ellipsoids.push_back(random.ellipsoid());
-        primitives.cylinders.push_back(random.cylinder());
-        primitives.cylinders.back().radius_world *= 0.5;
-        primitives.cones.push_back(random.cone());
-        primitives.superquadrics.push_back({.centre_world = random.in_cube(1),
-                                            .axes_world = 0.5 * random.rotation(),
-                                            .alpha = 0.6,
-                                            .beta = 0.4});
-    }
-    primitives.quadrics.push_back(random.clipped_quadric());
-    const Vec3d a = random.in_cube(1);
-    primitives.meshes.push_back(
-        {.vertices_world = {a, a + random.unit(), a + random.unit(), a + random.unit()},
-         .triangles = {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}}});
-    return primitives;
-}
-
 constexpr std::array all_looks{CutLook::Inside, CutLook::Flat, CutLook::Capped};
 
 TEST_F(Cuts, OfEveryKindAreWhatTheRaysMeet) {
@@ -62,7 +40,7 @@ TEST_F(Cuts, OfEveryKindAreWhatTheRaysMeet) {
                 if (run > 1) cut.near_world = 4.6;
                 // 4e-6: as of superquadrics that nothing cuts.
                 const Judgement judgement =
-                    judge(renderer, some_of_every_kind(random), camera, 200, 150, 4e-6, cut);
+                    judge(renderer, some_of_each(random, 5), camera, 200, 150, 4e-6, cut);
                 EXPECT_EQ(judgement.wrong, 0)
                     << int(look) << ' ' << run << testing::PrintToString(judgement.pixels);
                 EXPECT_GT(judgement.seen, 1000);
@@ -197,7 +175,7 @@ TEST_F(Cuts, ShadowsAreThoseOfWhatIsLeft) {
 
 TEST_F(Cuts, WithoutPlanesAreInNoProgram) {
     Random random(1);
-    const auto primitives = std::make_shared<Primitives>(some_of_every_kind(random));
+    const auto primitives = std::make_shared<Primitives>(some_of_each(random, 5));
     draw({.primitives = primitives}, {FrameImage::Beauty});
     const int compiled = draw({.primitives = primitives}, {FrameImage::Beauty}).programs_compiled;
     const int with_planes =

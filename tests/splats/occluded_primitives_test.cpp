@@ -1,10 +1,10 @@
 // Ambient occlusion among primitives, against double rays in the same directions.
 // SPDX-License-Identifier: MPL-2.0
-#include "../quadrics/random_primitives.h"
 #include "quadrics/primitive_tree.h"
 #include "raycaster/renderer.h"
 #include "raycaster/splats_on_gpu.h"
 #include "shading/disc.h"
+#include "some_primitives.h"
 #include "test_context.h"
 #include "volume/analytic_fields.h"
 
@@ -82,27 +82,6 @@ struct OccludedPrimitives : testing::Test {
     Image hits, gradients, seen;
     FrameReport report;
 
-    Primitives some_of_each(int count) {
-        Primitives some;
-        for (int i = 0; i < count; ++i) {
-            some.spheres.push_back(random.sphere());
-            some.spheres.back().radius_world *= 0.3;
-            some.ellipsoids.push_back(random.ellipsoid());
-            some.cylinders.push_back(random.cylinder());
-            some.cylinders.back().radius_world *= 0.3;
-            some.cones.push_back(random.cone());
-            some.quadrics.push_back(random.clipped_quadric());
-            some.superquadrics.push_back({.centre_world = random.in_cube(1),
-                                          .axes_world = 0.3 * random.rotation(),
-                                          .alpha = 0.6,
-                                          .beta = 0.4});
-        }
-        const Vec3d a = random.in_cube(1);
-        some.meshes.push_back(
-            {.vertices_world = {a, a + random.unit(), a + random.unit(), a + random.unit()},
-             .triangles = {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}}});
-        return some;
-    }
     void look_at(Scene scene, double distance_world) {
         scene.look.effects.occlusion = {.distance_world = distance_world, .rays = rays};
         renderer.load(scene);
@@ -137,17 +116,10 @@ struct OccludedPrimitives : testing::Test {
                 Vec3d n = vector(gradients, x, y).normalized();
                 if (n.dot(camera_ray(camera, size, size, x + 0.5, y + 0.5).direction_world) > 0)
                     n = -n;
-                // Duff's tangents, as sky.glsl has them.
-                const double s = n.z() < 0 ? -1 : 1;
-                const double a = -1 / (s + n.z());
-                const double b = n.x() * n.y() * a;
-                const Vec3d u(1 + s * n.x() * n.x() * a, s * b, -s * n.x());
-                const Vec3d v(b, s + n.y() * n.y() * a, -n.y());
                 int blocked = 0;
                 for (int i = 0; i < rays; ++i) {
-                    const Eigen::Vector2d q =
-                        disc_point(i, rays, turns_of_pixel(x + 0.5, size - y - 0.5));
-                    const Vec3d d = q.x() * u + q.y() * v + std::sqrt(1 - q.squaredNorm()) * n;
+                    const Vec3d d =
+                        sky_direction(i, rays, turns_of_pixel(x + 0.5, size - y - 0.5), n);
                     const Vec3d start = camera.eye_world + p + 0x1p-18 * p.norm() * n;
                     blocked += blocks(Ray{start, d.normalized()});
                 }
@@ -170,7 +142,7 @@ TEST_F(OccludedPrimitives, CountTheRaysThatMeetAnyKind) {
         camera.projection = projection;
         camera.height_world = 3;
         for (const double distance : {0.3, 10.0}) {
-            const Primitives primitives = some_of_each(3);
+            const Primitives primitives = some_of_each(random, 3);
             look_at(primitives, distance);
             const Comparison c = compare([&](const Ray& ray) {
                 return is_blocked(primitives, ray, distance, {}, CutLook::Inside);
@@ -185,7 +157,7 @@ TEST_F(OccludedPrimitives, CountTheRaysThatMeetAnyKind) {
 
 TEST_F(OccludedPrimitives, AreCutAsTheyAreDrawn) {
     for (const CutLook look : {CutLook::Inside, CutLook::Flat, CutLook::Capped}) {
-        const Primitives primitives = some_of_each(3);
+        const Primitives primitives = some_of_each(random, 3);
         const Cut cut{.look = look, .planes = {{Vec3d(0.2, 0.3, 1), 0.3}, {random.unit(), 0.6}}};
         look_at(primitives, 10, cut);
         const std::vector<CutPlane> planes = planes_of(cut, camera);
@@ -318,7 +290,7 @@ TEST_F(OccludedPrimitives, KnowNoOccludersBeyondTheDistance) {
 TEST_F(OccludedPrimitives, InPartsAreTheWholePicture) {
     const std::shared_ptr<const FieldSource> field = sampled(builtin_field("sphere"), 24);
     for (const bool has_field : {false, true}) {
-        Scene scene{.primitives = std::make_shared<Primitives>(some_of_each(2))};
+        Scene scene{.primitives = std::make_shared<Primitives>(some_of_each(random, 2))};
         if (has_field) scene.field = field;
         scene.look.effects.occlusion = {.strength = 1, .rays = 5};
         renderer.load(scene);
@@ -336,7 +308,7 @@ TEST_F(OccludedPrimitives, InPartsAreTheWholePicture) {
 }
 
 TEST_F(OccludedPrimitives, OfStrengthZeroDoNotExist) {
-    Scene scene{.primitives = std::make_shared<Primitives>(some_of_each(2))};
+    Scene scene{.primitives = std::make_shared<Primitives>(some_of_each(random, 2))};
     renderer.load(scene);
     const FrameReport plain = renderer.draw(camera, size, size, {FrameImage::Beauty});
     scene.look.effects.occlusion = {.strength = 0, .rays = 99};
@@ -353,7 +325,7 @@ TEST_F(OccludedPrimitives, OfStrengthZeroDoNotExist) {
 
 TEST_F(OccludedPrimitives, ThatAreAllCutAwayLeaveTheFieldItsSky) {
     Scene scene{.field = sampled(builtin_field("sphere"), 24),
-                .primitives = std::make_shared<Primitives>(some_of_each(2)),
+                .primitives = std::make_shared<Primitives>(some_of_each(random, 2)),
                 .cut = {.planes = {{Vec3d::UnitX(), -100}}}};
     look_at(scene, 1);
     for (std::size_t at = 0; at < seen.rgba.size(); at += 4) EXPECT_EQ(seen.rgba[at], 1);

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 namespace isocast::test {
@@ -85,6 +86,41 @@ inline Judgement judge(Renderer& renderer, Primitives primitives, const Camera& 
             std::max(judgement.worst_error, std::abs(shown[i].normal.dot(drawn - p)) / p.norm());
     }
     return judgement;
+}
+
+struct ShadowCounts {
+    int dark = 0;
+    int lit = 0;
+};
+
+/// Draws hard shadows, and expects them where they belong on the upper side (y) of one primitive.
+///
+/// light     unit, towards it [world]
+/// receiver  the primitive's number
+/// is_lit    (p_world) -> std::optional<bool>: nothing too near to a shadow's border to tell
+template<class IsLit>
+ShadowCounts judge_hard_shadows(Renderer& renderer, const Primitives& primitives,
+                                const Vec3d& light, const Camera& camera, int size, int receiver,
+                                IsLit is_lit) {
+    Look look;
+    look.lights = {{.direction = light, .is_in_view_space = false, .shadow = Shadow::Hard}};
+    renderer.load({.look = look, .primitives = std::make_shared<Primitives>(primitives)});
+    renderer.draw(camera, size, size, {FrameImage::Shadow, FrameImage::Hit});
+    const Image shadows = renderer.read(FrameImage::Shadow);
+    const std::vector<SeenPrimitive> seen = cast_primitives(primitives, camera, size, size);
+    ShadowCounts counts;
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+        if (seen[i].number != receiver || seen[i].normal.y() < 0.99) continue;
+        const auto width = static_cast<std::size_t>(size);
+        const Ray ray =
+            camera_ray(camera, size, size, double(i % width) + 0.5, double(i / width) + 0.5);
+        const Vec3d p_world = ray.origin_world + seen[i].t * ray.direction_world;
+        const std::optional<bool> lit = is_lit(p_world);
+        if (!lit) continue;
+        EXPECT_EQ(shadows.rgba[4 * i], *lit ? 1 : 0) << p_world.transpose();
+        ++(*lit ? counts.lit : counts.dark);
+    }
+    return counts;
 }
 
 } // namespace isocast::test

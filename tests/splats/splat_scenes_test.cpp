@@ -1,9 +1,9 @@
 // Primitives beside fields, and what effects make of them.
 // SPDX-License-Identifier: MPL-2.0
-#include "../quadrics/random_primitives.h"
 #include "distance_transform/sample_meshes.h"
 #include "filtering/curvature.h"
 #include "quadrics/quadric.h"
+#include "some_primitives.h"
 #include "splat_judge.h"
 #include "test_context.h"
 #include "volume/analytic_fields.h"
@@ -21,19 +21,6 @@ struct SplatScenes : testing::Test {
     int size = 160;
     Random random{3};
 
-    Primitives some_of_each(int count) {
-        Primitives some;
-        for (int i = 0; i < count; ++i) {
-            some.spheres.push_back(random.sphere());
-            some.spheres.back().radius_world *= 0.3;
-            some.ellipsoids.push_back(random.ellipsoid());
-            some.cylinders.push_back(random.cylinder());
-            some.cylinders.back().radius_world *= 0.3;
-            some.cones.push_back(random.cone());
-            some.quadrics.push_back(random.clipped_quadric());
-        }
-        return some;
-    }
     Ray ray_of(std::size_t pixel) const {
         const auto width = static_cast<std::size_t>(size);
         return camera_ray(camera, size, size, double(pixel % width) + 0.5,
@@ -164,7 +151,7 @@ TEST_F(SplatScenes, FieldMoleculeAndMeshIntersectAlongTheRightCurves) {
 }
 
 TEST_F(SplatScenes, CurvaturesAreThoseOfTheQuadrics) {
-    Primitives primitives = some_of_each(4);
+    Primitives primitives = some_quadrics(random, 4);
     primitives.cylinders.push_back({.a_world = {0.5, 0.7, 2},
                                     .b_world = {0.6, 0.8, 2.5},
                                     .radius_world = 0.2,
@@ -225,7 +212,7 @@ TEST_F(SplatScenes, CurvaturesAreThoseOfTheQuadrics) {
 }
 
 TEST_F(SplatScenes, PartsAreTheWholePicture) {
-    const auto primitives = std::make_shared<Primitives>(some_of_each(5));
+    const auto primitives = std::make_shared<Primitives>(some_quadrics(random, 5));
     Look look;
     look.lights[0].shadow = Shadow::Soft;
     renderer.load({.look = look, .primitives = primitives});
@@ -277,33 +264,23 @@ TEST_F(SplatScenes, HardShadowsAreThoseOfRaysToTheLight) {
         {.a_world = {0, -1, 0}, .b_world = {0, -0.6, 0}, .radius_world = 1.2, .is_capped = true}};
     scene.spheres = {{.centre_world = {0.1, 0, 0}, .radius_world = 0.3},
                      {.centre_world = {-0.5, -0.3, 0.3}, .radius_world = 0.2}};
-    Look look;
     const Vec3d light = Vec3d(0.4, 1, 0.3).normalized();
-    look.lights = {{.direction = light, .is_in_view_space = false, .shadow = Shadow::Hard}};
-    renderer.load({.look = look, .primitives = std::make_shared<Primitives>(scene)});
     camera.eye_world = {1, 2.5, 4};
-    renderer.draw(camera, size, size, {FrameImage::Shadow, FrameImage::Hit});
-    const Image shadows = renderer.read(FrameImage::Shadow);
-    const std::vector<SeenPrimitive> seen = cast_primitives(scene, camera, size, size);
     // A texel is 2.4 / 160 of the world, and bilinear weights reach one and a half of them.
     const double texel = 3.0 / size;
-    int dark = 0;
-    int lit = 0;
-    for (std::size_t i = 0; i < seen.size(); ++i) {
-        if (seen[i].number != 2) continue; // on the cylinder, whose number comes after the spheres'
-        if (seen[i].normal.y() < 0.99) continue;
-        const Ray ray = ray_of(i);
-        const Vec3d p = ray.origin_world + seen[i].t * ray.direction_world;
+    const auto is_lit = [&](const Vec3d& p) -> std::optional<bool> {
         double clearance = nowhere; // of the way to the light from the spheres; < 0: blocked
         for (const Sphere& sphere : scene.spheres) {
             const Vec3d to_centre = sphere.centre_world - p;
             const double past = (to_centre - to_centre.dot(light) * light).norm();
             clearance = std::min(clearance, past - sphere.radius_world);
         }
-        if (std::abs(clearance) < 2 * texel) continue;
-        EXPECT_EQ(shadows.rgba[4 * i], clearance < 0 ? 0 : 1) << i;
-        ++(clearance < 0 ? dark : lit);
-    }
+        if (std::abs(clearance) < 2 * texel) return std::nullopt;
+        return clearance > 0;
+    };
+    constexpr int cylinder = 2; // whose number comes after the spheres'
+    const auto [dark, lit] =
+        judge_hard_shadows(renderer, scene, light, camera, size, cylinder, is_lit);
     EXPECT_GT(dark, 100);
     EXPECT_GT(lit, 1000);
 }

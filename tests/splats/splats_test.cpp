@@ -1,8 +1,7 @@
 // Primitives as they are drawn, against a double ray caster.
 // SPDX-License-Identifier: MPL-2.0
+#include "some_primitives.h"
 #include "splat_judge.h"
-
-#include "../quadrics/random_primitives.h"
 #include "test_context.h"
 
 namespace isocast::test {
@@ -21,16 +20,7 @@ TEST_F(Splat, OfEveryKindIsWhatTheRaysMeet) {
     for (const Projection projection : {Projection::Perspective, Projection::Orthographic}) {
         camera.projection = projection;
         for (int run = 0; run < 4; ++run) {
-            Primitives primitives;
-            for (int i = 0; i < 5; ++i) {
-                primitives.spheres.push_back(random.sphere());
-                primitives.spheres.back().radius_world *= 0.3;
-                primitives.ellipsoids.push_back(random.ellipsoid());
-                primitives.cylinders.push_back(random.cylinder());
-                primitives.cylinders.back().radius_world *= 0.3;
-                primitives.cones.push_back(random.cone());
-                primitives.quadrics.push_back(random.clipped_quadric());
-            }
+            const Primitives primitives = some_quadrics(random, 5);
             const Judgement judgement = judge(renderer, primitives, camera, 160, 120);
             EXPECT_EQ(judgement.wrong, 0)
                 << run << " at " << testing::PrintToString(judgement.pixels);

@@ -332,23 +332,11 @@ TEST_F(Triangles, CastShadowsAlongTheLightsRays) {
     const Triangle above{{Vec3d(-0.7, 0.8, -0.5), Vec3d(0.8, 0.9, -0.2), Vec3d(0.1, 0.7, 0.8)}};
     const auto& [a, b, c] = above.corners_world;
     const Primitives scene{.meshes = {floor, one_triangle(a, b, c)}};
-    Look look;
     const Vec3d light = Vec3d(0.4, 1, 0.3).normalized();
-    look.lights = {{.direction = light, .is_in_view_space = false, .shadow = Shadow::Hard}};
-    renderer.load({.look = look, .primitives = std::make_shared<Primitives>(scene)});
     camera.eye_world = {1, 4, 5};
-    const int size = 200;
-    renderer.draw(camera, size, size, {FrameImage::Shadow, FrameImage::Hit});
-    const Image shadows = renderer.read(FrameImage::Shadow);
-    const std::vector<SeenPrimitive> seen = cast_primitives(scene, camera, size, size);
-    const double texel = 6.0 / size; // less than the light's view of the floor by 200
-    int dark = 0;
-    int lit = 0;
-    for (std::size_t i = 0; i < seen.size(); ++i) {
-        if (seen[i].number != 0) continue;
-        const Ray ray = camera_ray(camera, size, size, double(i % std::size_t{size}) + 0.5,
-                                   double(i / std::size_t{size}) + 0.5);
-        const Vec3d p = ray.origin_world + seen[i].t * ray.direction_world;
+    constexpr int size = 200;
+    constexpr double texel = 6.0 / size; // less than the light's view of the floor by 200
+    const auto is_lit = [&](const Vec3d& p) -> std::optional<bool> {
         // Distances of the way to the light from the triangle's edges, inwards.
         double inside = std::numeric_limits<double>::infinity();
         const std::array corners{a, b, c};
@@ -357,10 +345,10 @@ TEST_F(Triangles, CastShadowsAlongTheLightsRays) {
             const Vec3d edge = corners[(k + 1) % 3] - corners[k];
             inside = std::min(inside, side * light.cross(edge).normalized().dot(p - corners[k]));
         }
-        if (std::abs(inside) < 2 * texel) continue;
-        EXPECT_EQ(shadows.rgba[4 * i], inside > 0 ? 0 : 1) << p.transpose();
-        ++(inside > 0 ? dark : lit);
-    }
+        if (std::abs(inside) < 2 * texel) return std::nullopt;
+        return inside < 0;
+    };
+    const auto [dark, lit] = judge_hard_shadows(renderer, scene, light, camera, size, 0, is_lit);
     EXPECT_GT(dark, 500);
     EXPECT_GT(lit, 5000);
 }

@@ -387,8 +387,9 @@ Scene SceneObjects::compose(const SceneFile& scene, const Progress& progress,
         const SceneObject& object = scene.objects[i];
         if (object.glyphs) append(making.glyphs_of(i), {}, primitives->ellipsoids);
         if (!object.molecule.empty() && !object.surface) {
-            const MoleculePrimitives drawn =
-                primitives_of(*molecule_of(object), object.molecule_look);
+            MoleculeLook look = object.molecule_look;
+            look.ends_sticks_in_balls = scene.cut == Cut{};
+            const MoleculePrimitives drawn = primitives_of(*molecule_of(object), look);
             append(drawn.spheres, object.placement, primitives->spheres);
             append(drawn.sticks, object.placement, primitives->cylinders);
         }

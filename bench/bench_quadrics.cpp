@@ -185,7 +185,10 @@ Vec3d colour_of_number(int number) {
 int wrong_pixels(Renderer& renderer, Primitives primitives, const Camera& camera) {
     int number = 0;
     for (Sphere& sphere : primitives.spheres) sphere.colour = colour_of_number(number++);
-    for (Cylinder& stick : primitives.cylinders) stick.colour = colour_of_number(number++);
+    for (Cylinder& stick : primitives.cylinders) {
+        stick.colour = colour_of_number(number++);
+        stick.colour_b.reset();
+    }
     renderer.load({.primitives = std::make_shared<Primitives>(primitives)});
     renderer.draw(camera, width, height, {FrameImage::SplatColour});
     const Image drawn = renderer.read(FrameImage::SplatColour);

@@ -112,10 +112,17 @@ MoleculePrimitives primitives_of(const Molecule& molecule, const MoleculeLook& l
     for (const Bond& bond : molecule.bonds) {
         const auto i = static_cast<std::size_t>(bond.i), j = static_cast<std::size_t>(bond.j);
         const Vec3d &a = molecule.atoms[i].position, &b = molecule.atoms[j].position;
-        const Vec3d middle = (a + b) / 2;
-        if (middle == a || middle == b) continue;
-        primitives.sticks.push_back({a, middle, radius, false, colours[i]});
-        primitives.sticks.push_back({b, middle, radius, false, colours[j]});
+        if (a == b) continue;
+        // Where its side comes out of the smaller ball, and 1 % of that before; at both ends the
+        // same, so that its middle stays where the colours meet.
+        const double ball =
+            std::min(primitives.spheres[i].radius_world, primitives.spheres[j].radius_world);
+        const double hidden = std::sqrt(std::max(ball * ball - radius * radius, 0.0)) - 0.01 * ball;
+        const Vec3d end = look.ends_sticks_in_balls
+                              ? Vec3d(std::clamp(hidden / (b - a).norm(), 0.0, 0.49) * (b - a))
+                              : Vec3d::Zero();
+        primitives.sticks.push_back({a + end, b - end, radius, false, colours[i]});
+        if (colours[j] != colours[i]) primitives.sticks.back().colour_b = colours[j];
     }
     return primitives;
 }

@@ -28,15 +28,18 @@ struct MoleculeLook {
     double ball_scale = 0.25; // of the van der Waals radius
     double stick_radius_angstrom = 0.15;
     double licorice_radius_angstrom = 0.25;
+    /// Sticks end just inside the balls that hide the rest: they are about half as long. Not for
+    /// pictures in which balls are cut open.
+    bool ends_sticks_in_balls = true;
 };
 
 /// World units are angstrom.
 struct MoleculePrimitives {
     std::vector<Sphere> spheres;  // one for each atom, in its order
-    std::vector<Cylinder> sticks; // open; two halves for each bond, from i and from j
+    std::vector<Cylinder> sticks; // open; one for each bond
 };
 
-/// Sticks are split in the middle, each half with the colour of its atom; a bond of two atoms in
+/// Each half of a stick has the colour of its atom; a bond of two atoms in
 /// one place has none.
 ///
 /// source  radii and element colours: element_of()

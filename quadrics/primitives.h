@@ -5,6 +5,7 @@
 
 #include "quadrics/triangles.h"
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -31,6 +32,7 @@ struct Cylinder {
     double radius_world = 1;
     bool is_capped = false;
     Vec3d colour = Vec3d(0.72, 0.6, 0.42);
+    std::optional<Vec3d> colour_b = {}; // of the half at b, if it has another
 };
 
 /// With another radius at each end, one of which may be 0: the apex.

@@ -224,16 +224,26 @@ private:
     float* next_;
 };
 
-void write_place(const Sphere&, double, const SplatView&, const Footprint& footprint, float* to) {
-    Record(to).put({footprint.x_lo - margin_pixels, footprint.y_lo - margin_pixels,
-                    footprint.x_hi - footprint.x_lo + 2 * margin_pixels,
-                    footprint.y_hi - footprint.y_lo + 2 * margin_pixels});
+/// The part of its box in which a footprint is not hidden.
+PixelBox seen_box(const Footprint& f, const VisibleFootprint& seen) {
+    return {std::max(f.x_lo, float(seen.x_lo)), std::min(f.x_hi, float(seen.x_hi)),
+            std::max(f.y_lo, float(seen.y_lo)), std::min(f.y_hi, float(seen.y_hi))};
+}
+
+void write_place(const Sphere&, double, const SplatView&, const PixelBox& seen, float* to) {
+    Record(to).put({seen.x_lo - margin_pixels, seen.y_lo - margin_pixels,
+                    seen.x_hi - seen.x_lo + 2 * margin_pixels,
+                    seen.y_hi - seen.y_lo + 2 * margin_pixels});
 }
 
 template<class Primitive>
-void write_place(const Primitive& primitive, double number, const SplatView& view, const Footprint&,
-                 float* to) {
-    const Rectangle r = rectangle_of(screen_bounds(primitive, view.space), view);
+void write_place(const Primitive& primitive, double number, const SplatView& view,
+                 const PixelBox& seen, float* to) {
+    Rectangle r = rectangle_of(screen_bounds(primitive, view.space), view);
+    const Eigen::Vector2d lo(seen.x_lo - margin_pixels, seen.y_lo - margin_pixels);
+    const Eigen::Vector2d size(seen.x_hi + margin_pixels - lo.x(),
+                               seen.y_hi + margin_pixels - lo.y());
+    if (size.prod() < r.side_a.norm() * r.side_b.norm()) r = {lo, {size.x(), 0}, {0, size.y()}};
     Record record(to);
     record.put({r.corner.x(), r.corner.y(), r.side_a.x(), r.side_a.y()});
     record.put({r.side_b.x(), r.side_b.y(), number, 0});
@@ -314,24 +324,25 @@ Splats splats_of(const Primitives& primitives, const SplatView& view) {
             footprints[i] = drawn ? footprint_behind_planes(*drawn, view) : nothing;
         });
     });
-    const std::vector<std::uint32_t> visible =
+    const std::vector<VisibleFootprint> visible =
         visible_footprints(footprints, view.width, view.height);
 
     Splats out;
-    std::array<std::vector<std::uint32_t>, splat_kind_count> of_kind;
-    for (const std::uint32_t i : visible)
-        visit_solid(primitives, i, [&](const auto& primitive) {
-            of_kind[static_cast<std::size_t>(splat_kind_of(primitive))].push_back(i);
+    std::array<std::vector<VisibleFootprint>, splat_kind_count> of_kind;
+    for (const VisibleFootprint& seen : visible)
+        visit_solid(primitives, seen.number, [&](const auto& primitive) {
+            of_kind[static_cast<std::size_t>(splat_kind_of(primitive))].push_back(seen);
         });
     for (std::size_t k = 0; k < of_kind.size(); ++k) {
         const auto floats = static_cast<std::size_t>(splat_floats[k]);
         out.records[k].resize(floats * of_kind[k].size());
         in_parallel(of_kind[k].size(), [&](std::size_t slot) {
-            const std::uint32_t i = of_kind[k][slot];
+            const VisibleFootprint& seen = of_kind[k][slot];
+            const std::uint32_t i = seen.number;
             visit_solid(primitives, i, [&](const auto& primitive) {
                 const auto drawn = *thinned_out(primitive, i, view);
                 float* to = out.records[k].data() + floats * slot;
-                write_place(drawn, i, view, footprints[i], to);
+                write_place(drawn, i, view, seen_box(footprints[i], seen), to);
                 to += place_floats(splat_kind_of(drawn));
                 put_body(drawn, view.space, to);
                 if constexpr (std::is_same_v<std::decay_t<decltype(primitive)>, Sphere>)
@@ -340,9 +351,8 @@ Splats splats_of(const Primitives& primitives, const SplatView& view) {
         });
     }
     out.boxes.reserve(visible.size());
-    for (const std::uint32_t i : visible)
-        out.boxes.push_back(
-            {footprints[i].x_lo, footprints[i].x_hi, footprints[i].y_lo, footprints[i].y_hi});
+    for (const VisibleFootprint& seen : visible)
+        out.boxes.push_back(seen_box(footprints[seen.number], seen));
     for (std::size_t m = 0, number = 0; m < primitives.meshes.size(); ++m) {
         append_splats(primitives.meshes[m], {primitives.solid_count() + m, number}, view, out);
         number += primitives.meshes[m].triangles.size();

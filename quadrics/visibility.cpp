@@ -41,12 +41,20 @@ struct Tile {
 
 /// Tiles from lo to hi, both included.
 struct TileBox {
-    int x_lo, x_hi;
-    int y_lo, y_hi;
+    std::int16_t x_lo = std::numeric_limits<std::int16_t>::max(), x_hi = -1;
+    std::int16_t y_lo = std::numeric_limits<std::int16_t>::max(), y_hi = -1;
+
+    bool is_empty() const { return x_hi < x_lo; }
+    void add(const TileBox& other) {
+        x_lo = std::min(x_lo, other.x_lo);
+        x_hi = std::max(x_hi, other.x_hi);
+        y_lo = std::min(y_lo, other.y_lo);
+        y_hi = std::max(y_hi, other.y_hi);
+    }
 };
 
-int tile_at(float pixel, int tiles) {
-    return static_cast<int>(
+std::int16_t tile_at(float pixel, int tiles) {
+    return static_cast<std::int16_t>(
         std::floor(std::clamp(pixel / tile, 0.0F, static_cast<float>(tiles) - 0.5F)));
 }
 
@@ -62,7 +70,8 @@ class Strip {
 public:
     Strip(int width, int height, int first_row)
         : columns_((width + tile - 1) / tile), rows_((height + tile - 1) / tile),
-          first_row_(first_row), last_row_(std::min(first_row + strip_tiles, rows_) - 1),
+          first_row_(static_cast<std::int16_t>(first_row)),
+          last_row_(static_cast<std::int16_t>(std::min(first_row + strip_tiles, rows_) - 1)),
           tiles_(static_cast<std::size_t>(columns_) *
                  static_cast<std::size_t>(last_row_ - first_row_ + 1)) {
         // Pixels beyond the picture are covered by nothing that counts.
@@ -71,19 +80,19 @@ public:
                 at(x, y).mask = beyond(width - x * tile, height - y * tile);
     }
 
-    /// Whether the footprint can be seen in this strip; then its disc covers what is behind.
-    bool sees(const Footprint& f) {
+    /// Where the footprint can be seen in this strip; if anywhere, its disc covers what is behind.
+    TileBox seen_of(const Footprint& f) {
         TileBox box{tile_at(f.x_lo - margin_pixels, columns_),
                     tile_at(f.x_hi + margin_pixels, columns_),
                     tile_at(f.y_lo - margin_pixels, rows_), tile_at(f.y_hi + margin_pixels, rows_)};
         box.y_lo = std::max(box.y_lo, first_row_);
         box.y_hi = std::min(box.y_hi, last_row_);
-        bool is_seen = false;
-        for (int y = box.y_lo; y <= box.y_hi && !is_seen; ++y)
-            for (int x = box.x_lo; x <= box.x_hi && !is_seen; ++x)
-                is_seen = !at(x, y).hides(f.nearest_depth);
-        if (is_seen && f.disc_radius > margin_pixels) cover(f, box);
-        return is_seen;
+        TileBox seen;
+        for (std::int16_t y = box.y_lo; y <= box.y_hi; ++y)
+            for (std::int16_t x = box.x_lo; x <= box.x_hi; ++x)
+                if (!at(x, y).hides(f.nearest_depth)) seen.add({x, x, y, y});
+        if (!seen.is_empty() && f.disc_radius > margin_pixels) cover(f, box);
+        return seen;
     }
 
 private:
@@ -122,8 +131,8 @@ private:
 
     int columns_;
     int rows_;
-    int first_row_;
-    int last_row_;
+    std::int16_t first_row_;
+    std::int16_t last_row_;
     std::vector<Tile> tiles_;
 };
 
@@ -205,13 +214,16 @@ std::vector<std::uint32_t> front_to_back(std::span<const Footprint> footprints, 
 
 } // namespace
 
-std::vector<std::uint32_t> visible_footprints(std::span<const Footprint> footprints, int width,
-                                              int height) {
+std::vector<VisibleFootprint> visible_footprints(std::span<const Footprint> footprints, int width,
+                                                 int height) {
     const std::vector<std::uint32_t> order = front_to_back(footprints, width, height);
     const int strips = (height + tile * strip_tiles - 1) / (tile * strip_tiles);
-    std::vector<std::vector<std::uint32_t>> of_strip(static_cast<std::size_t>(strips));
-    for (std::vector<std::uint32_t>& places : of_strip)
-        places.reserve(2 * order.size() / of_strip.size());
+    struct Part {
+        std::uint32_t place;
+        TileBox seen;
+    };
+    std::vector<std::vector<Part>> of_strip(static_cast<std::size_t>(strips));
+    for (std::vector<Part>& places : of_strip) places.reserve(2 * order.size() / of_strip.size());
     const auto strip_of = [&](float y) {
         return std::clamp(static_cast<int>(std::floor(y / (tile * strip_tiles))), 0, strips - 1);
     };
@@ -219,20 +231,22 @@ std::vector<std::uint32_t> visible_footprints(std::span<const Footprint> footpri
         const Footprint& f = footprints[order[place]];
         const int last = strip_of(f.y_hi + margin_pixels);
         for (int strip = strip_of(f.y_lo - margin_pixels); strip <= last; ++strip)
-            of_strip[static_cast<std::size_t>(strip)].push_back(place);
+            of_strip[static_cast<std::size_t>(strip)].push_back({place, {}});
     }
-    std::vector<std::uint8_t> is_seen(order.size() * static_cast<std::size_t>(strips > 0));
     tbb::parallel_for(0, strips, [&](int strip) {
         Strip picture(width, height, strip * strip_tiles);
-        for (std::uint32_t& place : of_strip[static_cast<std::size_t>(strip)])
-            if (!picture.sees(footprints[order[place]])) place = ~std::uint32_t{0};
+        for (Part& part : of_strip[static_cast<std::size_t>(strip)])
+            part.seen = picture.seen_of(footprints[order[part.place]]);
     });
-    for (const std::vector<std::uint32_t>& places : of_strip)
-        for (const std::uint32_t place : places)
-            if (place != ~std::uint32_t{0}) is_seen[place] = 1;
-    std::vector<std::uint32_t> visible;
+    std::vector<TileBox> seen(order.size());
+    for (const std::vector<Part>& parts : of_strip)
+        for (const Part& part : parts) seen[part.place].add(part.seen);
+    std::vector<VisibleFootprint> visible;
+    const auto end_of = [](int tiles, int pixels) { return std::min(tile * tiles, pixels); };
     for (std::size_t place = 0; place < order.size(); ++place)
-        if (is_seen[place] != 0) visible.push_back(order[place]);
+        if (const TileBox& box = seen[place]; !box.is_empty())
+            visible.push_back({order[place], end_of(box.x_lo, width), end_of(box.x_hi + 1, width),
+                               end_of(box.y_lo, height), end_of(box.y_hi + 1, height)});
     return visible;
 }
 

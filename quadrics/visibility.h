@@ -42,16 +42,24 @@ struct FootprintView {
 ///         one
 Footprint sphere_footprint(const FootprintView& view, const Vec3d& centre_eye, double radius);
 
-/// The numbers of the footprints that are not hidden, about from front to back.
+/// A footprint that is not hidden, by its number, and the pixels of the picture in which it is not:
+/// from lo up to before hi.
+struct VisibleFootprint {
+    std::uint32_t number;
+    int x_lo, x_hi;
+    int y_lo, y_hi;
+};
+
+/// The footprints that are not hidden, about from front to back.
 ///
-/// A footprint is hidden if discs that are all nearer than any part of it cover each pixel of its
-/// box. Such discs are found tile by tile, front to back, with a mask of the pixels that the last
+/// A footprint is hidden where discs that are all nearer than any part of it cover each pixel. Such
+/// discs are found tile by tile, front to back, with a mask of the pixels that the last
 /// ones cover; so not all that are hidden are found, but none that is seen is missed.
 ///
 /// source    Hasselgren, Andersson and Akenine-Möller 2016, "Masked software occlusion culling"
 /// accuracy  boxes are grown and discs shrunk by a 64th of a pixel, and depths are compared with a
 ///           margin of 2^-16: the splats' own errors are below both
-std::vector<std::uint32_t> visible_footprints(std::span<const Footprint> footprints, int width,
-                                              int height);
+std::vector<VisibleFootprint> visible_footprints(std::span<const Footprint> footprints, int width,
+                                                 int height);
 
 } // namespace isocast

@@ -29,17 +29,31 @@ bool has_primitives(const Scene& scene) {
     return scene.primitives && scene.primitives->count() > 0;
 }
 
-/// By the numbers of splats_of().
+bool have_half_colours(const Primitives& primitives) {
+    return std::ranges::any_of(primitives.cylinders,
+                               [](const Cylinder& stick) { return stick.colour_b.has_value(); });
+}
+
+/// How far the colours of halves lie behind those of the sticks.
+int to_half_colours(const Primitives& primitives) {
+    return static_cast<int>(primitives.solid_count() + primitives.meshes.size() -
+                            primitives.spheres.size() - primitives.ellipsoids.size());
+}
+
+/// By the numbers of splats_of(), and then, if any stick has two, of the halves at b of cylinders
+/// and cones.
 std::vector<Eigen::Vector4f> colours_of(const Primitives& primitives) {
     std::vector<Eigen::Vector4f> colours;
+    const auto add = [&](const Vec3d& colour) {
+        colours.emplace_back(float(colour.x()), float(colour.y()), float(colour.z()), 1.0F);
+    };
     for_each_kind(primitives, [&](const auto& some) {
-        for (const auto& one : some)
-            colours.emplace_back(float(one.colour.x()), float(one.colour.y()),
-                                 float(one.colour.z()), 1.0F);
+        for (const auto& one : some) add(one.colour);
     });
-    for (const TriangleMesh& mesh : primitives.meshes)
-        colours.emplace_back(float(mesh.colour.x()), float(mesh.colour.y()), float(mesh.colour.z()),
-                             1.0F);
+    for (const TriangleMesh& mesh : primitives.meshes) add(mesh.colour);
+    if (!have_half_colours(primitives)) return colours;
+    for (const Cylinder& stick : primitives.cylinders) add(stick.colour_b.value_or(stick.colour));
+    for (const Cone& cone : primitives.cones) add(cone.colour);
     return colours;
 }
 
@@ -256,6 +270,8 @@ SeenScene Renderer::seen_by(const Camera& camera, int width, int height, const P
     }
     if (has_primitives(scene_)) {
         seen.splats.emplace(*primitives_, cut_planes_, camera, width, height, part, detail_pixels);
+        if (have_half_colours(*primitives_))
+            seen.splats->to_half_colours = to_half_colours(*primitives_);
         if (triangle_normals_.buffer.byte_count() > 0)
             seen.splats->triangle_normals = &triangle_normals_;
         seen.extents_world.push_back(corners_of(primitives_box_));

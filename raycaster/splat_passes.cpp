@@ -98,6 +98,8 @@ void set_splat_uniforms(const gl::Program& program, const FrameContext& frame) {
     }
     if (has_normals(*frame.seen.splats))
         frame.seen.splats->triangle_normals->texture.bind_to_unit(first_unit + splat_kind_count);
+    if (program.has("u_to_half_colours"))
+        program.set("u_to_half_colours", frame.seen.splats->to_half_colours);
     program.set("u_world_from_view",
                 Eigen::Matrix3f(frame.camera.view_from_world_rotation().transpose().cast<float>()));
 }

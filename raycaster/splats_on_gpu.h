@@ -36,6 +36,7 @@ struct SplatsOnGpu {
     std::vector<CutPlane> planes;           // that cut them; with unit normals
     std::int64_t byte_count = 0;
     const NumbersOnGpu* triangle_normals = nullptr; // of all corners, if any mesh has normals
+    int to_half_colours = 0; // from a stick's colour to that of its half at b, if any has two
 };
 
 } // namespace isocast

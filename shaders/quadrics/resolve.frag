@@ -37,6 +37,6 @@ void main() {
     o_gradient = vec4(u_world_from_view * seen.hit.normal, width_on_picture(seen));
 #endif
 #if COLOUR_AT >= 0
-    o_colour = vec4(texelFetch(t_colours, int(seen.number)).rgb, 1.0);
+    o_colour = vec4(texelFetch(t_colours, seen.colour).rgb, 1.0);
 #endif
 }

@@ -14,11 +14,14 @@ uniform ivec2 u_slots[6]; // by kind: the first, how many
 #if HAS_NORMALS
 layout(binding = 12) uniform samplerBuffer t_normals; // of corners, world axes
 #endif
+#if HAS_2
+uniform int u_to_half_colours; // from that of a stick to that of its half at b, if any has two
+#endif
 uniform mat3 u_world_from_view;
 
 struct Seen {
     QuadricHit hit;
-    float number;  // of the primitive
+    int colour;    // its number
     float width;   // of the thinnest way through it, about [world]
     mat3 hessian;  // of a function whose gradient is the normal [1/world], view space; flat on caps
 };
@@ -55,10 +58,18 @@ float width_on_picture(Seen seen) {
     return clamp(pixels / 16.0, 1e-3, 1.0);
 }
 
-Seen seen_quadric(int kind, Quadric quadric, float number, vec2 slope, Kept kept) {
+Seen seen_quadric(int kind, Quadric quadric, int colour, vec2 slope, Kept kept) {
     QuadricHit hit = first_hit(kind, quadric, slope, kept.t_near);
     hit = cut_hit(hit, kept, slope, depth_inside_quadric(kind, quadric, slope, kept.t_near));
-    return Seen(hit, number, width_of(quadric.local_from_view), hessian_of(kind, quadric, hit));
+#if HAS_2
+    if (kind == cone) {
+#if CUT_PLANES > 0 && CUT_LOOK == 2
+        hit.q = quadric.local_from_view * (vec3(slope, -1.0) * hit.t - quadric.centre); // caps lack it
+#endif
+        colour += hit.q.z > 0.0 ? u_to_half_colours : 0;
+    }
+#endif
+    return Seen(hit, colour, width_of(quadric.local_from_view), hessian_of(kind, quadric, hit));
 }
 
 // Loops for conditions, since software rasterisers run all sides of a condition; what ends them is
@@ -67,9 +78,9 @@ Seen seen_splat(int slot) {
     vec2 slope = ray_slope();
     vec3 start = ray_start();
     Kept kept = kept_by_planes(slope, start);
-    Seen seen = Seen(QuadricHit(nowhere, vec3(0.0), vec3(0.0), false), 0.0, 0.0, mat3(0.0));
+    Seen seen = Seen(QuadricHit(nowhere, vec3(0.0), vec3(0.0), false), 0, 0.0, mat3(0.0));
 #if HAS_0
-    for (bool is_here = is_of(slot, 0); is_here; is_here = seen.number < -1.0) {
+    for (bool is_here = is_of(slot, 0); is_here; is_here = seen.colour < -1) {
         int at = 3 * (slot - u_slots[0].x);
         vec4 at_eye = texelFetch(t_splats[0], at + 1);
         vec4 sphere = texelFetch(t_splats[0], at + 2);
@@ -80,30 +91,30 @@ Seen seen_splat(int slot) {
 #else
         mat3 hessian = mat3(0.0);
 #endif
-        seen = Seen(hit, at_eye.y, 2.0 * sphere.w, hessian);
+        seen = Seen(hit, int(at_eye.y), 2.0 * sphere.w, hessian);
     }
 #endif
 #if HAS_1
-    for (bool is_here = is_of(slot, 1); is_here; is_here = seen.number < -1.0) {
+    for (bool is_here = is_of(slot, 1); is_here; is_here = seen.colour < -1) {
         int at = 6 * (slot - u_slots[1].x);
         Quadric quadric = ellipsoid_of(texelFetch(t_splats[1], at + 2),
                                        texelFetch(t_splats[1], at + 3),
                                        texelFetch(t_splats[1], at + 4),
                                        texelFetch(t_splats[1], at + 5), start);
-        seen = seen_quadric(ball, quadric, texelFetch(t_splats[1], at + 1).z, slope, kept);
+        seen = seen_quadric(ball, quadric, int(texelFetch(t_splats[1], at + 1).z), slope, kept);
     }
 #endif
 #if HAS_2
-    for (bool is_here = is_of(slot, 2); is_here; is_here = seen.number < -1.0) {
+    for (bool is_here = is_of(slot, 2); is_here; is_here = seen.colour < -1) {
         int at = 5 * (slot - u_slots[2].x);
         Quadric quadric = cone_of(texelFetch(t_splats[2], at + 2),
                                        texelFetch(t_splats[2], at + 3),
                                        texelFetch(t_splats[2], at + 4), start);
-        seen = seen_quadric(cone, quadric, texelFetch(t_splats[2], at + 1).z, slope, kept);
+        seen = seen_quadric(cone, quadric, int(texelFetch(t_splats[2], at + 1).z), slope, kept);
     }
 #endif
 #if HAS_3
-    for (bool is_here = is_of(slot, 3); is_here; is_here = seen.number < -1.0) {
+    for (bool is_here = is_of(slot, 3); is_here; is_here = seen.colour < -1) {
         int at = 9 * (slot - u_slots[3].x);
         Quadric quadric = general_of(texelFetch(t_splats[3], at + 2),
                                        texelFetch(t_splats[3], at + 3),
@@ -112,11 +123,11 @@ Seen seen_splat(int slot) {
                                        texelFetch(t_splats[3], at + 6),
                                        texelFetch(t_splats[3], at + 7),
                                        texelFetch(t_splats[3], at + 8), start);
-        seen = seen_quadric(general, quadric, texelFetch(t_splats[3], at + 1).z, slope, kept);
+        seen = seen_quadric(general, quadric, int(texelFetch(t_splats[3], at + 1).z), slope, kept);
     }
 #endif
 #if HAS_4
-    for (bool is_here = is_of(slot, 4); is_here; is_here = seen.number < -1.0) {
+    for (bool is_here = is_of(slot, 4); is_here; is_here = seen.colour < -1) {
         int at = 6 * (slot - u_slots[4].x);
         Superquadric body = superquadric_of(texelFetch(t_splats[4], at + 2),
                                             texelFetch(t_splats[4], at + 3),
@@ -131,11 +142,11 @@ Seen seen_splat(int slot) {
 #else
         mat3 hessian = mat3(0.0);
 #endif
-        seen = Seen(hit, texelFetch(t_splats[4], at + 1).z, width_of(body.local_from_view), hessian);
+        seen = Seen(hit, int(texelFetch(t_splats[4], at + 1).z), width_of(body.local_from_view), hessian);
     }
 #endif
 #if HAS_5
-    for (bool is_here = is_of(slot, 5); is_here; is_here = seen.number < -1.0) {
+    for (bool is_here = is_of(slot, 5); is_here; is_here = seen.colour < -1) {
         int at = 6 * (slot - u_slots[5].x);
         vec2 numbers = texelFetch(t_splats[5], at + 1).zw;
         QuadricHit hit = triangle_hit(vec4[3](texelFetch(t_splats[5], at + 2),
@@ -150,7 +161,7 @@ Seen seen_splat(int slot) {
                             texelFetch(t_normals, corner + 2).xyz);
         if (!hit.is_cap) hit.normal = smooth_normal(hit, transpose(u_world_from_view) * normals, vec3(slope, -1.0));
 #endif
-        seen = Seen(hit, numbers.x, nowhere, mat3(0.0)); // flat, and no thin thing
+        seen = Seen(hit, int(numbers.x), nowhere, mat3(0.0)); // flat, and no thin thing
     }
 #endif
     return seen;

@@ -43,7 +43,7 @@ TEST_F(PrimitiveScenes, MoleculesAreSpheresAndSticksWhereTheyArePlaced) {
         compose("[[object]]\nmolecule = \"water.xyz\"\nscale = 2\ntranslate = [10, 0, 0]\n");
     EXPECT_TRUE(scene.objects.empty());
     ASSERT_EQ(scene.primitives->spheres.size(), 3);
-    EXPECT_EQ(scene.primitives->cylinders.size(), 4); // half of each bond in its atom's colour
+    EXPECT_EQ(scene.primitives->cylinders.size(), 2);
     EXPECT_EQ(scene.primitives->spheres[1].centre_world, Vec3d(10 + 2 * 0.96, 0, 0));
     EXPECT_DOUBLE_EQ(scene.primitives->cylinders[0].radius_world, 0.3);
     const Scene filled =

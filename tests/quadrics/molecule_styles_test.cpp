@@ -42,34 +42,57 @@ TEST(MoleculeStyles, SpaceFillingSpheresHaveVanDerWaalsRadii) {
     EXPECT_EQ(primitives.spheres[1].centre_world, Vec3d(0.757, 0.586, 0));
 }
 
-TEST(MoleculeStyles, SticksAreSplitInTheMiddleWithTheirAtomsColours) {
+TEST(MoleculeStyles, HalvesOfSticksHaveTheirAtomsColours) {
     const Molecule molecule = bonded(water());
     for (const MoleculeStyle style : {MoleculeStyle::BallsAndSticks, MoleculeStyle::Licorice}) {
-        const MoleculePrimitives primitives = primitives_of(molecule, {.style = style});
+        const MoleculePrimitives primitives =
+            primitives_of(molecule, {.style = style, .ends_sticks_in_balls = false});
         ASSERT_EQ(primitives.spheres.size(), 3u);
-        ASSERT_EQ(primitives.sticks.size(), 2 * molecule.bonds.size());
+        ASSERT_EQ(primitives.sticks.size(), molecule.bonds.size());
         for (std::size_t k = 0; k < molecule.bonds.size(); ++k) {
             const auto i = std::size_t(molecule.bonds[k].i), j = std::size_t(molecule.bonds[k].j);
-            const Cylinder &first = primitives.sticks[2 * k],
-                           &second = primitives.sticks[2 * k + 1];
-            EXPECT_EQ(first.a_world, molecule.atoms[i].position);
-            EXPECT_EQ(second.a_world, molecule.atoms[j].position);
-            EXPECT_EQ(first.b_world, second.b_world);
-            EXPECT_EQ(first.b_world,
-                      Vec3d((molecule.atoms[i].position + molecule.atoms[j].position) / 2));
-            EXPECT_EQ(first.colour, primitives.spheres[i].colour);
-            EXPECT_EQ(second.colour, primitives.spheres[j].colour);
-            EXPECT_FALSE(first.is_capped);
+            const Cylinder& stick = primitives.sticks[k];
+            EXPECT_EQ(stick.a_world, molecule.atoms[i].position);
+            EXPECT_EQ(stick.b_world, molecule.atoms[j].position);
+            EXPECT_EQ(stick.colour, primitives.spheres[i].colour);
+            EXPECT_EQ(stick.colour_b, primitives.spheres[j].colour);
+            EXPECT_FALSE(stick.is_capped);
             if (style == MoleculeStyle::Licorice) {
-                EXPECT_EQ(first.radius_world, primitives.spheres[i].radius_world);
+                EXPECT_EQ(stick.radius_world, primitives.spheres[i].radius_world);
             } else {
-                EXPECT_EQ(first.radius_world, 0.15);
+                EXPECT_EQ(stick.radius_world, 0.15);
                 EXPECT_EQ(primitives.spheres[i].radius_world, i == 0 ? 0.25 * 1.52 : 0.25 * 1.2);
             }
         }
         EXPECT_NO_THROW(check(std::span<const Sphere>(primitives.spheres)));
         EXPECT_NO_THROW(check(std::span<const Cylinder>(primitives.sticks)));
     }
+}
+
+TEST(MoleculeStyles, SticksEndWhereBallsHideThem) {
+    const Molecule molecule = bonded(water());
+    const MoleculePrimitives whole = primitives_of(molecule, {.ends_sticks_in_balls = false});
+    const MoleculePrimitives ended = primitives_of(molecule);
+    ASSERT_EQ(ended.sticks.size(), 2u);
+    for (std::size_t k = 0; k < 2; ++k) {
+        const Cylinder& stick = ended.sticks[k];
+        EXPECT_LT((stick.b_world - stick.a_world).norm(),
+                  0.6 * (whole.sticks[k].b_world - whole.sticks[k].a_world).norm());
+        // The same middle, and their ends' rims inside the balls.
+        EXPECT_LT(
+            (stick.a_world + stick.b_world - whole.sticks[k].a_world - whole.sticks[k].b_world)
+                .norm(),
+            1e-15);
+        for (const auto& [end, ball] : {std::pair{stick.a_world, std::size_t(molecule.bonds[k].i)},
+                                        std::pair{stick.b_world, std::size_t(molecule.bonds[k].j)}})
+            EXPECT_LT(
+                std::hypot((end - ended.spheres[ball].centre_world).norm(), stick.radius_world),
+                ended.spheres[ball].radius_world);
+    }
+    // Where sticks are as thick as balls, nothing is hidden.
+    const MoleculePrimitives licorice = primitives_of(molecule, {.style = MoleculeStyle::Licorice});
+    EXPECT_EQ(licorice.sticks[0].a_world,
+              licorice.spheres[std::size_t(molecule.bonds[0].i)].centre_world);
 }
 
 TEST(MoleculeStyles, ABondWithoutLengthHasNoStick) {

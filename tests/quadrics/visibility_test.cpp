@@ -6,9 +6,9 @@
 
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <random>
-#include <set>
 
 namespace isocast {
 namespace {
@@ -54,15 +54,17 @@ std::vector<Footprint> footprints_of(const FootprintView& view, const std::vecto
 void expect_all_seen(const FootprintView& view, const std::vector<Ball>& balls, int step,
                      int& hits) {
     const std::vector<Footprint> footprints = footprints_of(view, balls);
-    const std::vector<std::uint32_t> list = visible_footprints(footprints, view.width, view.height);
-    const std::set<std::uint32_t> visible(list.begin(), list.end());
+    const std::vector<VisibleFootprint> list =
+        visible_footprints(footprints, view.width, view.height);
+    std::map<std::size_t, VisibleFootprint> visible;
+    for (const VisibleFootprint& seen : list) visible[seen.number] = seen;
     EXPECT_EQ(visible.size(), list.size());
     // From front to back, but for 2^-12 of the depths there are.
     float farthest = 0;
     for (const Footprint& f : footprints) farthest = std::max(farthest, f.nearest_depth);
     for (std::size_t k = 1; k < list.size(); ++k)
-        EXPECT_LE(footprints[list[k - 1]].nearest_depth,
-                  footprints[list[k]].nearest_depth + farthest * 0x1p-12F);
+        EXPECT_LE(footprints[list[k - 1].number].nearest_depth,
+                  footprints[list[k].number].nearest_depth + farthest * 0x1p-12F);
     for (int j = 0; j < view.height; j += step)
         for (int i = 0; i < view.width; i += step) {
             const EyeRay ray = eye_ray(view, i, j);
@@ -82,7 +84,10 @@ void expect_all_seen(const FootprintView& view, const std::vector<Ball>& balls, 
             if (nearest == INFINITY) continue;
             ++hits;
             const Footprint& f = footprints[winner];
-            ASSERT_TRUE(visible.contains(static_cast<std::uint32_t>(winner)))
+            const auto seen = visible.find(winner);
+            ASSERT_NE(seen, visible.end()) << "at " << i << ", " << j;
+            const VisibleFootprint& box = seen->second;
+            ASSERT_TRUE(i >= box.x_lo && i < box.x_hi && j >= box.y_lo && j < box.y_hi)
                 << "at " << i << ", " << j;
             ASSERT_GE(nearest, f.nearest_depth - 1e-6 * std::abs(f.nearest_depth));
             ASSERT_TRUE(i + 0.5 >= f.x_lo - 1e-2 && i + 0.5 <= f.x_hi + 1e-2 &&
@@ -148,8 +153,10 @@ TEST(Visibility, OfEqualSpheresAtOnePlaceOneIsLeft) {
     EXPECT_GE(visible_footprints(footprints, 64, 64).size(), 1U);
     // Behind it there is nothing to see, beside it there is.
     std::vector<Ball> more{{{0, 0, -3}, 1}, {{0, 0, -6}, 1}, {{1.5, 0, -3.5}, 0.4}};
-    EXPECT_EQ(visible_footprints(footprints_of(view, more), 64, 64),
-              (std::vector<std::uint32_t>{0, 2}));
+    const auto seen = visible_footprints(footprints_of(view, more), 64, 64);
+    ASSERT_EQ(seen.size(), 2U);
+    EXPECT_EQ(seen[0].number, 0U);
+    EXPECT_EQ(seen[1].number, 2U);
 }
 
 TEST(Visibility, EmptyPicturesAndListsAreEmpty) {

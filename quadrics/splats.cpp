@@ -108,6 +108,13 @@ PixelBox box_of(const Rectangle& r) {
             static_cast<float>(hi.y())};
 }
 
+Rectangle square_around(const Rectangle& r) {
+    const Eigen::Vector2d size = r.side_a.cwiseAbs() + r.side_b.cwiseAbs();
+    const double side = size.maxCoeff();
+    const Eigen::Vector2d middle = r.corner + (r.side_a + r.side_b) / 2;
+    return {middle - Eigen::Vector2d::Constant(side / 2), {side, 0}, {0, side}};
+}
+
 FootprintView footprint_view(const SplatView& view) {
     return {.is_perspective = view.space.is_perspective,
             .width = view.width,
@@ -224,16 +231,25 @@ private:
     float* next_;
 };
 
-void write_place(const Sphere&, double, const SplatView&, const Footprint& footprint, float* to) {
-    Record(to).put({footprint.x_lo - margin_pixels, footprint.y_lo - margin_pixels,
-                    footprint.x_hi - footprint.x_lo + 2 * margin_pixels,
-                    footprint.y_hi - footprint.y_lo + 2 * margin_pixels});
+void write_place(const Sphere&, double, const SplatView& view, const Footprint& footprint,
+                 float* to) {
+    Rectangle r{{footprint.x_lo - margin_pixels, footprint.y_lo - margin_pixels},
+                {footprint.x_hi - footprint.x_lo + 2 * margin_pixels, 0},
+                {0, footprint.y_hi - footprint.y_lo + 2 * margin_pixels}};
+    if (view.shape == BoundingShape::Square) r = square_around(r);
+    Record(to).put({r.corner.x(), r.corner.y(), r.side_a.x(), r.side_b.y()});
 }
 
 template<class Primitive>
 void write_place(const Primitive& primitive, double number, const SplatView& view, const Footprint&,
                  float* to) {
-    const Rectangle r = rectangle_of(screen_bounds(primitive, view.space), view);
+    ScreenBounds bounds;
+    if constexpr (splat_kind<Primitive> == SplatKind::Cone)
+        bounds = screen_bounds(primitive, view.space, view.shape != BoundingShape::Rectangle);
+    else
+        bounds = screen_bounds(primitive, view.space);
+    Rectangle r = rectangle_of(bounds, view);
+    if (view.shape == BoundingShape::Square) r = square_around(r);
     Record record(to);
     record.put({r.corner.x(), r.corner.y(), r.side_a.x(), r.side_a.y()});
     record.put({r.side_b.x(), r.side_b.y(), number, 0});

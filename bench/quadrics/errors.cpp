@@ -60,45 +60,58 @@ void count_hard_errors(Renderer& renderer) {
 void run_equation_7(Renderer& renderer) {
     constexpr int views = 8;
     constexpr double radius_pixels = 100;
+    struct Method {
+        bool is_equation_7;
+        bool is_alone; // else in a scene from half to twice its distance
+    };
+    constexpr std::array methods{Method{true, true}, Method{true, false}, Method{false, false}};
     fmt::print(
-        "\nSigg et al. 2006, eq. 7 in float32, the near and the far plane around the sphere: "
-        "wrong pixels of a sphere {} pixels in radius, {} x {}, mean and most of {} views\n"
-        "{:>16} {:>18} {:>18}\n",
-        radius_pixels, width, height, views, "radius/distance", "eq. 7", "ours");
+        "\nSigg et al. 2006, eq. 7 in float32: wrong pixels of a sphere {} pixels in radius, "
+        "{} x {}, mean and most of {} views; planes: the near and the far one\n"
+        "{:>16} {:>20} {:>20} {:>16}\n",
+        radius_pixels, width, height, views, "radius/distance", "planes around it",
+        "from d/2 to 2 d", "ours");
     for (int digits = 1; digits <= 6; ++digits) {
         std::mt19937 random(4);
         std::normal_distribution<double> normal;
-        std::array<int, 2> sum{};
-        std::array<int, 2> most{};
+        std::array<int, methods.size()> sum{};
+        std::array<int, methods.size()> most{};
         for (int view = 0; view < views; ++view) {
             const double x = normal(random);
             const double y = normal(random);
             const Vec3d direction = Vec3d(x, y, normal(random)).normalized();
             const double distance = std::pow(10, digits);
-            // A few radii beside the middle, so that the sphere is somewhere in the picture.
+            // Some radii beside the middle, so that the sphere is anywhere in the picture.
             Camera camera{.eye_world = direction * distance,
                           .target_world = direction.unitOrthogonal() * (0.3 * view)};
             camera.fov_y_degrees =
                 2 * std::atan(height / 2.0 / radius_pixels / distance) * 180 / std::numbers::pi;
-            const Primitives sphere{
-                .spheres = {{.centre_world = Vec3d::Zero(), .radius_world = 1}}};
-            renderer.load({.primitives = std::make_shared<Primitives>(sphere)});
-            const std::vector<SeenPrimitive> seen = cast_primitives(sphere, camera, width, height);
-            for (const std::size_t ours : {0, 1}) {
-                renderer.set_study({.meets_spheres_by_equation_7 = ours == 0});
+            const Sphere sphere{.centre_world = Vec3d::Zero(), .radius_world = 1};
+            const std::vector<SeenPrimitive> seen =
+                cast_primitives({.spheres = {sphere}}, camera, width, height);
+            for (std::size_t k = 0; k < methods.size(); ++k) {
+                Primitives scene{.spheres = {sphere}};
+                const Vec3d beside = 40 * direction.unitOrthogonal(); // the picture
+                if (!methods[k].is_alone)
+                    for (const double place : {0.5, -1.0})
+                        scene.spheres.push_back(
+                            {.centre_world = place * camera.eye_world + beside, .radius_world = 1});
+                renderer.load({.primitives = std::make_shared<Primitives>(scene)});
+                renderer.set_study({.meets_spheres_by_equation_7 = methods[k].is_equation_7});
                 renderer.draw(camera, width, height, {FrameImage::Splat});
                 const Image splats = renderer.read(FrameImage::Splat);
                 int wrong = 0;
                 for (std::size_t i = 0; i < seen.size(); ++i)
                     wrong += (splats.rgba[4 * i] > 0) != (seen[i].number >= 0);
-                sum[ours] += wrong;
-                most[ours] = std::max(most[ours], wrong);
+                sum[k] += wrong;
+                most[k] = std::max(most[k], wrong);
             }
         }
         const auto cell = [&](std::size_t k) {
             return fmt::format("{:.1f}, {}", double(sum[k]) / views, most[k]);
         };
-        fmt::print("{:>16.0e} {:>18} {:>18}\n", std::pow(10, -digits), cell(0), cell(1));
+        fmt::print("{:>16.0e} {:>20} {:>20} {:>16}\n", std::pow(10, -digits), cell(0), cell(1),
+                   cell(2));
         std::fflush(stdout);
     }
     renderer.set_study({});

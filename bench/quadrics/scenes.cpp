@@ -181,7 +181,7 @@ TimedFrame draw(Renderer& renderer, const Camera& camera, int w, int h) {
 
 Specimens specimens(Specimen specimen, double radius_pixels) {
     Specimens some;
-    const double distance = 1000;
+    const double distance = 100 * specimens_height; // so that all are seen from one side
     some.camera = {.eye_world = {0, 0, distance}, .target_world = Vec3d::Zero()};
     some.camera.fov_y_degrees =
         2 * std::atan(specimens_height / 2.0 / distance) * 180 / std::numbers::pi;

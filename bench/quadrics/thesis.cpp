@@ -2,13 +2,12 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "quadrics/quadrics_bench.h"
 
-#include "gl/timer.h"
 #include "peers/peer_frame.h"
 
 #include <fmt/format.h>
 #include <glad/gl.h>
 
-#include <map>
+#include <chrono>
 
 namespace isocast {
 
@@ -76,11 +75,11 @@ double time_points(const std::vector<Eigen::Vector2f>& centres_pixels, double ra
         const float far = 1;
         glClearBufferfv(GL_COLOR, 0, zero);
         glClearBufferfv(GL_DEPTH, 0, &far);
-        gl::Timer timer;
-        timer.start();
+        glFinish();
+        const auto start = std::chrono::steady_clock::now();
         glDrawArrays(GL_POINTS, 0, static_cast<int>(centres_pixels.size()));
-        timer.stop();
-        if (turn > 0) seconds.push_back(1e-3 * timer.milliseconds());
+        glFinish();
+        if (turn > 0) seconds.push_back(seconds_since(start));
     }
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_PROGRAM_POINT_SIZE);

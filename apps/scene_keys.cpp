@@ -348,6 +348,11 @@ SceneTable quality_table() {
          number("detail_pixels", quality(&Quality::detail_pixels), {0, 4},
                 "Atoms and sticks of lesser radius than this are thinned out, few and larger ones "
                 "in place of many [pixels]; 0: each is drawn"),
+         choice("splats", quality(&Quality::splats),
+                Names<SplatShading>{{"deferred", SplatShading::Deferred},
+                                    {"direct", SplatShading::Direct}},
+                "Where atoms, points and triangles are shaded: once a pixel, or, for comparison, "
+                "each as it is drawn, which does plain Phong and shadows alone"),
          number("curvature_scale", scene(&SceneFile::curvature_scale_voxels), {0, 16},
                 "Width of the Gaussian before curvatures are taken [voxels]"),
          choice("storage", storage(&StorageOptions::format),

@@ -51,14 +51,16 @@ ScreenBounds screen_bounds(const Ellipsoid& ellipsoid, const PictureSpace& space
                                     space.is_perspective);
 }
 
-ScreenBounds screen_bounds(const Cylinder& cylinder, const PictureSpace& space) {
+ScreenBounds screen_bounds(const Cylinder& cylinder, const PictureSpace& space, bool is_upright) {
     return cone_bounds<double>(in_view(space, cylinder.a_world), in_view(space, cylinder.b_world),
-                               cylinder.radius_world, cylinder.radius_world, space.is_perspective);
+                               cylinder.radius_world, cylinder.radius_world, space.is_perspective,
+                               is_upright);
 }
 
-ScreenBounds screen_bounds(const Cone& cone, const PictureSpace& space) {
+ScreenBounds screen_bounds(const Cone& cone, const PictureSpace& space, bool is_upright) {
     return cone_bounds<double>(in_view(space, cone.a_world), in_view(space, cone.b_world),
-                               cone.radius_a_world, cone.radius_b_world, space.is_perspective);
+                               cone.radius_a_world, cone.radius_b_world, space.is_perspective,
+                               is_upright);
 }
 
 ScreenBounds screen_bounds(const ClippedQuadric& quadric, const PictureSpace& space) {

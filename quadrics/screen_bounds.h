@@ -54,8 +54,9 @@ using ScreenBounds = ScreenBoundsOf<double>;
 ///           does not cancel, see extent_along(); discs where they bound by ellipsoids
 ScreenBounds screen_bounds(const Sphere& sphere, const PictureSpace& space);
 ScreenBounds screen_bounds(const Ellipsoid& ellipsoid, const PictureSpace& space);
-ScreenBounds screen_bounds(const Cylinder& cylinder, const PictureSpace& space);
-ScreenBounds screen_bounds(const Cone& cone, const PictureSpace& space);
+ScreenBounds screen_bounds(const Cylinder& cylinder, const PictureSpace& space,
+                           bool is_upright = false); // along the picture's sides all the same
+ScreenBounds screen_bounds(const Cone& cone, const PictureSpace& space, bool is_upright = false);
 ScreenBounds screen_bounds(const ClippedQuadric& quadric, const PictureSpace& space);
 
 // What follows is in view space, in float as in double: the same lines as the vertex shaders'.
@@ -113,7 +114,8 @@ ScreenBoundsOf<Real> ellipsoid_bounds(const Eigen::Vector3<Real>& centre,
 /// Of what lies between the disc of `radius_a` about `a` and that about `b`, both across a b.
 template<class Real>
 ScreenBoundsOf<Real> cone_bounds(const Eigen::Vector3<Real>& a, const Eigen::Vector3<Real>& b,
-                                 Real radius_a, Real radius_b, bool is_perspective) {
+                                 Real radius_a, Real radius_b, bool is_perspective,
+                                 bool is_upright = false) {
     using Vector2 = Eigen::Vector2<Real>;
     using Matrix3 = Eigen::Matrix3<Real>;
     const Eigen::Vector3<Real> d = b - a;
@@ -132,7 +134,7 @@ ScreenBoundsOf<Real> cone_bounds(const Eigen::Vector3<Real>& a, const Eigen::Vec
     // b's slope less a's, times both depths: the difference of slopes would cancel.
     Vector2 axis = d.template head<2>();
     if (is_perspective) axis = (a.template head<2>() * d.z() - axis * a.z()).eval();
-    if (const Real length = axis.norm(); length > 0) bounds.axis = axis / length;
+    if (const Real length = axis.norm(); length > 0 && !is_upright) bounds.axis = axis / length;
     const auto along = [&](const Vector2& n) {
         const Vector2 of_a = extent_along(n, a, disc_a, is_perspective);
         const Vector2 of_b = extent_along(n, b, disc_b, is_perspective);

@@ -108,6 +108,13 @@ PixelBox box_of(const Rectangle& r) {
             static_cast<float>(hi.y())};
 }
 
+Rectangle square_around(const Rectangle& r) {
+    const Eigen::Vector2d size = r.side_a.cwiseAbs() + r.side_b.cwiseAbs();
+    const double side = size.maxCoeff();
+    const Eigen::Vector2d middle = r.corner + (r.side_a + r.side_b) / 2;
+    return {middle - Eigen::Vector2d::Constant(side / 2), {side, 0}, {0, side}};
+}
+
 FootprintView footprint_view(const SplatView& view) {
     return {.is_perspective = view.space.is_perspective,
             .width = view.width,
@@ -224,26 +231,40 @@ private:
     float* next_;
 };
 
-/// The part of its box in which a footprint is not hidden.
-PixelBox seen_box(const Footprint& f, const VisibleFootprint& seen) {
+/// Where a footprint is drawn: its box, of which what is hidden is left out unless shapes are
+/// compared.
+PixelBox drawn_box(const Footprint& f, const VisibleFootprint& seen, BoundingShape shape) {
+    if (shape != BoundingShape::Rectangle) return {f.x_lo, f.x_hi, f.y_lo, f.y_hi};
     return {std::max(f.x_lo, float(seen.x_lo)), std::min(f.x_hi, float(seen.x_hi)),
             std::max(f.y_lo, float(seen.y_lo)), std::min(f.y_hi, float(seen.y_hi))};
 }
 
-void write_place(const Sphere&, double, const SplatView&, const PixelBox& seen, float* to) {
-    Record(to).put({seen.x_lo - margin_pixels, seen.y_lo - margin_pixels,
-                    seen.x_hi - seen.x_lo + 2 * margin_pixels,
-                    seen.y_hi - seen.y_lo + 2 * margin_pixels});
+Rectangle rectangle_of(const PixelBox& box) {
+    return {{box.x_lo - margin_pixels, box.y_lo - margin_pixels},
+            {box.x_hi - box.x_lo + 2 * margin_pixels, 0},
+            {0, box.y_hi - box.y_lo + 2 * margin_pixels}};
+}
+
+void write_place(const Sphere&, double, const SplatView& view, const PixelBox& box, float* to) {
+    Rectangle r = rectangle_of(box);
+    if (view.shape == BoundingShape::Square) r = square_around(r);
+    Record(to).put({r.corner.x(), r.corner.y(), r.side_a.x(), r.side_b.y()});
 }
 
 template<class Primitive>
 void write_place(const Primitive& primitive, double number, const SplatView& view,
-                 const PixelBox& seen, float* to) {
-    Rectangle r = rectangle_of(screen_bounds(primitive, view.space), view);
-    const Eigen::Vector2d lo(seen.x_lo - margin_pixels, seen.y_lo - margin_pixels);
-    const Eigen::Vector2d size(seen.x_hi + margin_pixels - lo.x(),
-                               seen.y_hi + margin_pixels - lo.y());
-    if (size.prod() < r.side_a.norm() * r.side_b.norm()) r = {lo, {size.x(), 0}, {0, size.y()}};
+                 const PixelBox& box, float* to) {
+    ScreenBounds bounds;
+    if constexpr (splat_kind<Primitive> == SplatKind::Cone)
+        bounds = screen_bounds(primitive, view.space, view.shape != BoundingShape::Rectangle);
+    else
+        bounds = screen_bounds(primitive, view.space);
+    Rectangle r = rectangle_of(bounds, view);
+    const Rectangle upright = rectangle_of(box);
+    if (view.shape == BoundingShape::Rectangle &&
+        upright.side_a.x() * upright.side_b.y() < r.side_a.norm() * r.side_b.norm())
+        r = upright;
+    if (view.shape == BoundingShape::Square) r = square_around(r);
     Record record(to);
     record.put({r.corner.x(), r.corner.y(), r.side_a.x(), r.side_a.y()});
     record.put({r.side_b.x(), r.side_b.y(), number, 0});
@@ -342,7 +363,7 @@ Splats splats_of(const Primitives& primitives, const SplatView& view) {
             visit_solid(primitives, i, [&](const auto& primitive) {
                 const auto drawn = *thinned_out(primitive, i, view);
                 float* to = out.records[k].data() + floats * slot;
-                write_place(drawn, i, view, seen_box(footprints[i], seen), to);
+                write_place(drawn, i, view, drawn_box(footprints[i], seen, view.shape), to);
                 to += place_floats(splat_kind_of(drawn));
                 put_body(drawn, view.space, to);
                 if constexpr (std::is_same_v<std::decay_t<decltype(primitive)>, Sphere>)
@@ -352,7 +373,7 @@ Splats splats_of(const Primitives& primitives, const SplatView& view) {
     }
     out.boxes.reserve(visible.size());
     for (const VisibleFootprint& seen : visible)
-        out.boxes.push_back(seen_box(footprints[seen.number], seen));
+        out.boxes.push_back(drawn_box(footprints[seen.number], seen, view.shape));
     for (std::size_t m = 0, number = 0; m < primitives.meshes.size(); ++m) {
         append_splats(primitives.meshes[m], {primitives.solid_count() + m, number}, view, out);
         number += primitives.meshes[m].triangles.size();

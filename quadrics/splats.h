@@ -11,6 +11,13 @@
 
 namespace isocast {
 
+/// What is drawn around a primitive; of triangles always another one.
+enum class BoundingShape {
+    Rectangle, // with its sides along and across what is long
+    Box,       // with its sides along the picture's, for comparison
+    Square,    // around that, as point sprites are
+};
+
 /// A picture, or a part of one, as a camera sees it.
 struct SplatView {
     PictureSpace space;
@@ -24,6 +31,7 @@ struct SplatView {
     /// neither do they flicker when the camera moves, nor does a crowd of them have holes.
     double detail_pixels = 0;
     std::vector<CutPlane> planes; // of unit normals, in front of which nothing is drawn
+    BoundingShape shape = BoundingShape::Rectangle;
 };
 
 /// The primitives with a sphere for each dot, after all others.

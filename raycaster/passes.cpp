@@ -2,6 +2,7 @@
 #include "raycaster/passes.h"
 
 #include "raycaster/composition.h"
+#include "raycaster/direct_passes.h"
 #include "raycaster/effects/effects.h"
 #include "raycaster/effects/flow.h"
 #include "raycaster/effects/occlusion.h"
@@ -93,15 +94,19 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
          [&frame] { run_outlines(frame); }},
     };
     for (Pass& pass : flow_passes(frame)) passes.push_back(std::move(pass));
-    passes.push_back(
-        {"shading", shading_reads(frame), FrameImage::Beauty, [&frame] { run_shading(frame); }});
+    if (frame.scene.quality.splats == SplatShading::Direct)
+        passes.push_back({"direct shading", direct_reads(frame), FrameImage::Beauty,
+                          [&frame] { run_direct(frame); }});
+    else
+        passes.push_back({"shading", shading_reads(frame), FrameImage::Beauty,
+                          [&frame] { run_shading(frame); }});
     return passes;
 }
 
 std::vector<gl::ProgramKey> all_programs() {
     std::vector<gl::ProgramKey> keys = field_programs();
     for (const std::vector<gl::ProgramKey>& more :
-         {composition_programs(), splat_programs(), solid_texture_programs(),
+         {composition_programs(), splat_programs(), direct_programs(), solid_texture_programs(),
           curvature_colour_programs(), curvature_map_programs(), uncertainty_programs(),
           flow_programs(), accessibility_programs(), occlusion_programs(), shadow_programs(),
           refraction_programs(), reflection_programs(), ridges_programs(), contours_programs(),

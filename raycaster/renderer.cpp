@@ -3,6 +3,7 @@
 
 #include "filtering/smoothed_field.h"
 #include "gl/timer.h"
+#include "raycaster/direct_passes.h"
 #include "raycaster/effects/effects.h"
 #include "raycaster/effects/flow.h"
 #include "raycaster/effects/shadow.h"
@@ -134,6 +135,7 @@ void Renderer::load(Scene scene, const Progress& progress) {
     if (scene.storage.over_budget == OverBudget::Coarsen && scene.curvature_scale_voxels > 0)
         throw InputError("coarse bricks cannot have curvatures at a scale");
     check_look(scene.look);
+    if (scene.quality.splats == SplatShading::Direct) check_direct(scene.look, !objects.empty());
     if (scene.primitives) check(*scene.primitives);
     check(scene.cut);
     if (!(scene.quality.detail_pixels >= 0 && scene.quality.detail_pixels <= 4))
@@ -182,6 +184,7 @@ void Renderer::load(Scene scene, const Progress& progress) {
 
 void Renderer::set_look(Look look) {
     check_look(look);
+    if (scene_.quality.splats == SplatShading::Direct) check_direct(look, !objects_.empty());
     scene_.look = std::move(look);
     look_textures_ = {};
 }
@@ -269,7 +272,8 @@ SeenScene Renderer::seen_by(const Camera& camera, int width, int height, const P
         runs.push_back(seen.objects.back().places.tile_runs);
     }
     if (has_primitives(scene_)) {
-        seen.splats.emplace(*primitives_, cut_planes_, camera, width, height, part, detail_pixels);
+        seen.splats.emplace(*primitives_, cut_planes_, camera, width, height, part, detail_pixels,
+                            study_);
         if (have_half_colours(*primitives_))
             seen.splats->to_half_colours = to_half_colours(*primitives_);
         if (triangle_normals_.buffer.byte_count() > 0)
@@ -347,6 +351,9 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
         const int map_pixels = light->shadow_map_pixels.value_or(
             std::clamp(std::max(width, height), least_shadow_map, default_shadow_map));
         frame.light = light_view(*light, camera, map_pixels, surface_box_world(), margin_world);
+        frame.notes.push_back(fmt::format("shadow map: {}x{} texels of {:.3g} world units",
+                                          frame.light->width, frame.light->height,
+                                          frame.light->texel_world));
     }
     const bool keeps_shadow_map = frame.light && frame.light == shadow_map_;
     if (!keeps_shadow_map) shadow_map_.reset();
@@ -392,6 +399,7 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
         context_.throw_pending_error();
     }
     shadow_map_ = frame.light;
+    if (study_.counts_fragments && seen.splats) report.splat_fragments = count_fragments(frame);
     for (PassReport& pass : report.passes)
         if (pass.ran) pass.milliseconds = timers.at(pass.name).milliseconds();
     report.programs_compiled = shaders_.compiled_program_count();

@@ -31,6 +31,7 @@ struct FrameReport {
     std::int64_t scratch_bytes = 0; // textures that live during one pass alone
     std::int64_t look_bytes = 0;    // environments, colour maps, noise
     std::vector<std::string> notes; // what was chosen for the user, like a colour map's range
+    std::optional<SplatFragments> splat_fragments; // if a study counts them
 };
 
 /// Draws one scene with one context.
@@ -54,6 +55,9 @@ public:
     /// throws  InputError if the look asks for what there is not
     void set_look(Look look);
     const Look& look() const { return scene_.look; }
+
+    /// For benchmarks.
+    void set_study(const SplatStudy& study) { study_ = study; }
 
     /// What effects found in the first picture since load, where the look says no number: in the
     /// whole picture at overview_pixels at most, whatever part and size are drawn.
@@ -107,6 +111,7 @@ private:
     gl::ShaderLibrary shaders_;
     gl::VertexArray no_vertices_;
     Scene scene_;
+    SplatStudy study_;
     std::vector<std::unique_ptr<LoadedObject>> objects_;
     NumbersOnGpu splat_colours_;                   // by primitive or mesh, if the scene has some
     NumbersOnGpu triangle_normals_;                // three a triangle, if any mesh has normals

@@ -28,6 +28,12 @@ enum class Traversal {
 /// throws  InputError that lists these
 Traversal traversal_from_name(std::string_view name);
 
+/// Where primitives are shaded (thesis table 7.3).
+enum class SplatShading {
+    Deferred, // once a pixel, when all are drawn
+    Direct,   // wherever one is drawn: plain Phong with shadows, of primitives alone
+};
+
 /// How rays search.
 struct Quality {
     Traversal traversal = Traversal::TileLists;
@@ -39,6 +45,7 @@ struct Quality {
     double near_voxels = 1;
     /// Of primitives, as in SplatView, for the viewer alone: lights and reflections see all.
     double detail_pixels = 0;
+    SplatShading splats = SplatShading::Deferred;
 };
 
 /// A field and its isosurface. Fields of a scene may differ in grid, spacing, orientation and

@@ -90,6 +90,21 @@ ImageSet shading_reads(const FrameContext& frame) {
     return reads;
 }
 
+void set_lights(const gl::Program& program, const FrameContext& frame) {
+    const Look& look = frame.scene.look;
+    for (std::size_t i = 0; i < look.lights.size(); ++i) {
+        const Light& light = look.lights[i];
+        program.set(fmt::format("u_light_directions[{}]", i).c_str(),
+                    to_float(direction_world(light, frame.camera)));
+        program.set(fmt::format("u_light_colours[{}]", i).c_str(), to_float(light.colour));
+        if (light.shadow != Shadow::None && program.has("u_shadowed_light"))
+            program.set("u_shadowed_light", static_cast<int>(i));
+    }
+    const Material& material = look.material;
+    program.set("u_material", Eigen::Vector4f(float(material.ambient), float(material.diffuse),
+                                              float(material.specular), float(material.shininess)));
+}
+
 void run_shading(FrameContext& frame) {
     const Look& look = frame.scene.look;
     const std::vector<Layer> layers = live_layers(frame);
@@ -125,17 +140,7 @@ void run_shading(FrameContext& frame) {
     }
     if (look.model != ShadingModel::Flat) {
         frame.targets.texture(FrameImage::Gradient).bind_to_unit(1);
-        for (std::size_t i = 0; i < look.lights.size(); ++i) {
-            const Light& light = look.lights[i];
-            program.set(fmt::format("u_light_directions[{}]", i).c_str(),
-                        to_float(direction_world(light, frame.camera)));
-            program.set(fmt::format("u_light_colours[{}]", i).c_str(), to_float(light.colour));
-            if (light.shadow != Shadow::None && counts.contains(Blend::DirectLight))
-                program.set("u_shadowed_light", static_cast<int>(i));
-        }
-        program.set("u_material",
-                    Eigen::Vector4f(float(material.ambient), float(material.diffuse),
-                                    float(material.specular), float(material.shininess)));
+        set_lights(program, frame);
         if (look.model == ShadingModel::Gooch) {
             program.set("u_cool", to_float(look.tones.cool));
             program.set("u_warm", to_float(look.tones.warm));

@@ -32,6 +32,8 @@ const Light* casting_light(const Look& look);
 /// The images that shading reads; where no tile shows the surface, none that effects make.
 ImageSet shading_reads(const FrameContext& frame);
 
+/// Of shaders/shading/lights.glsl.
+void set_lights(const gl::Program& program, const FrameContext& frame);
 void run_shading(FrameContext& frame);
 
 /// Programs for `layers` of each kind and lights, for the test that compiles them.

@@ -2,6 +2,7 @@
 #include "raycaster/splat_passes.h"
 
 #include "raycaster/field_passes.h"
+#include "raycaster/splat_study.h"
 
 #include <fmt/format.h>
 #include <glad/gl.h>
@@ -17,20 +18,6 @@ using Defines = std::map<std::string, std::string>;
 /// Of a splat: two triangles make a rectangle.
 constexpr int vertex_count(SplatKind kind) {
     return kind == SplatKind::Triangle ? 3 : 6;
-}
-
-/// distance  instead of the splat's number: how far away it is
-gl::ProgramKey splat_program(SplatKind kind, bool is_perspective, const CutKind& cut,
-                             bool writes_distance = false) {
-    const auto k = static_cast<std::size_t>(kind);
-    Defines defines{{"KIND", std::to_string(k)},
-                    {"FLOATS4", std::to_string(splat_floats[k] / 4)},
-                    {"PLACE4", std::to_string(place_floats(kind) / 4)}, // of the rectangle
-                    {"VERTICES", std::to_string(vertex_count(kind))},
-                    {"WRITES_DISTANCE", writes_distance ? "1" : "0"},
-                    {"IS_PERSPECTIVE", is_perspective ? "1" : "0"}};
-    add_cut_defines(defines, cut);
-    return {{"quadrics/splat.vert", "quadrics/splat.frag"}, std::move(defines)};
 }
 
 /// kinds  by bits
@@ -56,15 +43,6 @@ gl::ProgramKey derivatives_program(Defines defines, int order, const ImageSet& i
     defines.emplace("ORDER", std::to_string(order));
     if (order == 2) add_second_order_defines(defines, images);
     return {{"common/tiles.vert", "quadrics/derivatives.frag"}, std::move(defines)};
-}
-
-bool is_perspective(const FrameContext& frame) {
-    return frame.camera.projection == Projection::Perspective;
-}
-
-bool has_normals(const SplatsOnGpu& splats) {
-    return splats.triangle_normals != nullptr && !splats.kinds.empty() &&
-           splats.kinds.back().kind == SplatKind::Triangle;
 }
 
 Defines defines_of(const FrameContext& frame, bool has_hessian) {
@@ -108,15 +86,50 @@ float owner_number(const FrameContext& frame) {
     return static_cast<float>(frame.seen.objects.size() + 1);
 }
 
-/// Into the bound framebuffer.
-///
-/// prepare  (program, those of its kind): sets what else it needs
-template<class Prepare>
-void draw_splats(const FrameContext& frame, bool writes_distance, Prepare prepare) {
+/// Those of this frame.
+auto splat_programs_of(const FrameContext& frame, bool writes_distance) {
+    return [&frame, writes_distance](SplatKind kind) {
+        return splat_program(kind, is_perspective(frame), cut_kind_of(frame), writes_distance);
+    };
+}
+
+} // namespace
+
+gl::ProgramKey splat_program(SplatKind kind, bool is_perspective, const CutKind& cut,
+                             bool writes_distance) {
+    const auto k = static_cast<std::size_t>(kind);
+    Defines defines{{"KIND", std::to_string(k)},
+                    {"FLOATS4", std::to_string(splat_floats[k] / 4)},
+                    {"PLACE4", std::to_string(place_floats(kind) / 4)}, // of the rectangle
+                    {"VERTICES", std::to_string(vertex_count(kind))},
+                    {"WRITES_DISTANCE", writes_distance ? "1" : "0"},
+                    {"IS_DIRECT", "0"},
+                    {"BY_EQUATION_7", "0"},
+                    {"IS_PERSPECTIVE", is_perspective ? "1" : "0"}};
+    add_cut_defines(defines, cut);
+    return {{"quadrics/splat.vert", "quadrics/splat.frag"}, std::move(defines)};
+}
+
+bool is_perspective(const FrameContext& frame) {
+    return frame.camera.projection == Projection::Perspective;
+}
+
+bool has_normals(const SplatsOnGpu& splats) {
+    return splats.triangle_normals != nullptr && !splats.kinds.empty() &&
+           splats.kinds.back().kind == SplatKind::Triangle;
+}
+
+void draw_splats(
+    const FrameContext& frame, const std::function<gl::ProgramKey(SplatKind)>& program_of,
+    const std::function<void(const gl::Program&, const SplatsOnGpu::OfKind&)>& prepare) {
     for (const SplatsOnGpu::OfKind& of_kind : frame.seen.splats->kinds) {
-        const gl::Program& program = frame.shaders.program(splat_program(
-            of_kind.kind, is_perspective(frame), cut_kind_of(frame), writes_distance));
+        gl::ProgramKey key = program_of(of_kind.kind);
+        if (frame.seen.splats->study.meets_spheres_by_equation_7 &&
+            of_kind.kind == SplatKind::Sphere)
+            key.defines["BY_EQUATION_7"] = std::to_string(1);
+        const gl::Program& program = frame.shaders.program(key);
         set_ray_uniforms(program, frame);
+        if (program.has("u_view_from_window")) set_equation_7(program, frame);
         program.set("u_clip_from_pixel",
                     Eigen::Vector2f(2 / static_cast<float>(frame.part.width),
                                     2 / static_cast<float>(frame.part.height)));
@@ -128,7 +141,9 @@ void draw_splats(const FrameContext& frame, bool writes_distance, Prepare prepar
     }
 }
 
-} // namespace
+float splat_depth_unit(const FrameContext& frame) {
+    return static_cast<float>(1e-20 * extent_diagonal_world(frame));
+}
 
 CutKind cut_kind_of(const FrameContext& frame) {
     return {frame.seen.splats->planes.size(), frame.scene.cut.look};
@@ -170,11 +185,11 @@ void run_splats(FrameContext& frame) {
     set_fixed_state();
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
-    draw_splats(frame, false, [&](const gl::Program& program, const SplatsOnGpu::OfKind& of_kind) {
-        program.set("u_first_slot", of_kind.first_slot);
-        // So small that what is nearer than 1e-20 of the scene's size alone is clamped.
-        program.set("u_depth_unit", static_cast<float>(1e-20 * extent_diagonal_world(frame)));
-    });
+    draw_splats(frame, splat_programs_of(frame, false),
+                [&](const gl::Program& program, const SplatsOnGpu::OfKind& of_kind) {
+                    program.set("u_first_slot", of_kind.first_slot);
+                    program.set("u_depth_unit", splat_depth_unit(frame));
+                });
     glDisable(GL_DEPTH_TEST);
 }
 
@@ -182,9 +197,10 @@ void draw_splat_distances(const FrameContext& frame, double unit_world) {
     set_fixed_state();
     glEnable(GL_BLEND);
     glBlendEquation(GL_MIN);
-    draw_splats(frame, true, [&](const gl::Program& program, const SplatsOnGpu::OfKind&) {
-        program.set("u_units_per_world", static_cast<float>(1 / unit_world));
-    });
+    draw_splats(frame, splat_programs_of(frame, true),
+                [&](const gl::Program& program, const SplatsOnGpu::OfKind&) {
+                    program.set("u_units_per_world", static_cast<float>(1 / unit_world));
+                });
     glBlendEquation(GL_FUNC_ADD);
     glDisable(GL_BLEND);
 }
@@ -235,7 +251,7 @@ void draw_splat_derivatives(const FrameContext& frame, int order) {
 }
 
 std::vector<gl::ProgramKey> splat_programs() {
-    std::vector<gl::ProgramKey> keys;
+    std::vector<gl::ProgramKey> keys = splat_study_programs();
     for (const bool is_perspective : {false, true}) {
         for (int k = 0; k < splat_kind_count; ++k) {
             const auto kind = static_cast<SplatKind>(k);

@@ -31,6 +31,23 @@ void add_kind_defines(std::map<std::string, std::string>& defines, unsigned kind
 void set_cut_planes(const gl::Program& program, const FrameContext& frame,
                     const Mat3d& axes_from_world);
 
+/// distance  instead of the splat's number: how far away it is
+gl::ProgramKey splat_program(SplatKind kind, bool is_perspective, const CutKind& cut,
+                             bool writes_distance = false);
+bool is_perspective(const FrameContext& frame);
+/// Whether triangles have normals at their corners.
+bool has_normals(const SplatsOnGpu& splats);
+/// Draws the splats of each kind into the bound framebuffer.
+///
+/// program_of  (kind): with shaders/quadrics/splat.vert
+/// prepare     (program, those of its kind): sets what else it needs
+void draw_splats(
+    const FrameContext& frame, const std::function<gl::ProgramKey(SplatKind)>& program_of,
+    const std::function<void(const gl::Program&, const SplatsOnGpu::OfKind&)>& prepare);
+/// Depths of splats are this by their distances: only what is nearer than 1e-20 of the scene's size
+/// is clamped.
+float splat_depth_unit(const FrameContext& frame);
+
 /// Every program that these can ask for.
 std::vector<gl::ProgramKey> splat_programs();
 

@@ -8,14 +8,16 @@ namespace isocast {
 namespace {
 
 SplatView view_of(const Camera& camera, int width, int height, const PicturePart& part,
-                  double detail_pixels, const std::vector<CutPlane>& planes) {
+                  double detail_pixels, const std::vector<CutPlane>& planes,
+                  const SplatStudy& study) {
     return {.space = picture_space(camera),
             .pixels_per_unit = pixels_per_unit(camera, height),
             .middle_pixels = Eigen::Vector2d(width, height) / 2 - part.first_pixel(height),
             .width = part.width,
             .height = part.height,
             .detail_pixels = detail_pixels,
-            .planes = planes};
+            .planes = planes,
+            .shape = study.shape};
 }
 
 /// The tiles that any of the boxes touches.
@@ -77,10 +79,10 @@ std::vector<CutPlane> planes_of(const Cut& cut, const Camera& viewer) {
 
 SplatsOnGpu::SplatsOnGpu(const Primitives& primitives, std::vector<CutPlane> cut_planes,
                          const Camera& camera, int width, int height, const PicturePart& part,
-                         double detail_pixels)
-    : planes(std::move(cut_planes)) {
+                         double detail_pixels, const SplatStudy& asked)
+    : planes(std::move(cut_planes)), study(asked) {
     const Splats splats =
-        splats_of(primitives, view_of(camera, width, height, part, detail_pixels, planes));
+        splats_of(primitives, view_of(camera, width, height, part, detail_pixels, planes, study));
     int slot = 0;
     for (std::size_t k = 0; k < splats.records.size(); ++k) {
         const std::vector<float>& records = splats.records[k];

@@ -5,6 +5,7 @@
 #include "quadrics/splats.h"
 #include "raycaster/camera.h"
 #include "raycaster/field_on_gpu.h"
+#include "raycaster/splat_study.h"
 
 namespace isocast {
 
@@ -22,7 +23,8 @@ struct SplatsOnGpu {
     /// part        of a picture of width x height
     /// detail_pixels  as in SplatView
     SplatsOnGpu(const Primitives& primitives, std::vector<CutPlane> planes, const Camera& camera,
-                int width, int height, const PicturePart& part, double detail_pixels = 0);
+                int width, int height, const PicturePart& part, double detail_pixels = 0,
+                const SplatStudy& study = {});
 
     /// Those of one kind.
     struct OfKind {
@@ -34,6 +36,7 @@ struct SplatsOnGpu {
     std::vector<OfKind> kinds;              // that are there
     std::vector<Eigen::Vector4i> tile_runs; // of tiles that can show one, as TileLists::runs()
     std::vector<CutPlane> planes;           // that cut them; with unit normals
+    SplatStudy study;
     std::int64_t byte_count = 0;
     const NumbersOnGpu* triangle_normals = nullptr; // of all corners, if any mesh has normals
     int to_half_colours = 0; // from a stick's colour to that of its half at b, if any has two

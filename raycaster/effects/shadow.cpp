@@ -5,7 +5,6 @@
 #include "raycaster/shading.h"
 #include "raycaster/splat_passes.h"
 
-#include <fmt/format.h>
 #include <glad/gl.h>
 
 #include <cmath>
@@ -80,27 +79,30 @@ void run_shadow_map(FrameContext& frame) {
     draw_on_tiles(of_light.frame, program);
 }
 
-void run_shadow(FrameContext& frame) {
+void set_shadow_uniforms(const gl::Program& program, const FrameContext& frame) {
     const Light& casting = *casting_light(frame.scene.look);
     const LightView& light = *frame.light;
-    const gl::Program& program = frame.shaders.program(shadow_program(casting.shadow));
-    frame.targets.texture(FrameImage::Hit).bind_to_unit(0);
-    frame.targets.texture(FrameImage::Gradient).bind_to_unit(1);
     frame.targets.texture(FrameImage::ShadowMap).bind_to_unit(2);
     const Mat3d to_light = light_from_world(light);
     const Vec3d eye = to_light * (frame.camera.eye_world - light.camera.eye_world) +
                       Vec3d(light.width, light.height, 0) / 2;
     program.set("u_light_from_world", Eigen::Matrix3f(to_light.cast<float>()));
     program.set("u_eye_light", Eigen::Vector3f(eye.cast<float>()));
+    if (casting.shadow == Shadow::Soft)
+        program.set("u_spread",
+                    static_cast<float>(std::tan(casting.size_degrees * std::numbers::pi / 360)));
+}
+
+void run_shadow(FrameContext& frame) {
+    const gl::Program& program =
+        frame.shaders.program(shadow_program(casting_light(frame.scene.look)->shadow));
+    frame.targets.texture(FrameImage::Hit).bind_to_unit(0);
+    frame.targets.texture(FrameImage::Gradient).bind_to_unit(1);
+    set_shadow_uniforms(program, frame);
     program.set(
         "u_ray_vector",
         Eigen::Matrix3f(
             world_vector_coefficients(frame.camera, frame.width, frame.height).cast<float>()));
-    if (casting.shadow == Shadow::Soft)
-        program.set("u_spread",
-                    static_cast<float>(std::tan(casting.size_degrees * std::numbers::pi / 360)));
-    frame.notes.push_back(fmt::format("shadow map: {}x{} texels of {:.3g} world units", light.width,
-                                      light.height, light.texel_world));
     draw_tiles(frame, FrameImage::Shadow, program, {1, 0, 0, 0});
 }
 

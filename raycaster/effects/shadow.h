@@ -16,6 +16,8 @@ LightView light_view(const Light& light, const Camera& viewer, int pixels,
 
 /// Casts the rays of frame.light, and keeps how far they go.
 void run_shadow_map(FrameContext& frame);
+/// Of shaders/shading/shadow/shadow.glsl, of frame.light.
+void set_shadow_uniforms(const gl::Program& program, const FrameContext& frame);
 /// Of the casting light.
 void run_shadow(FrameContext& frame);
 

@@ -5,6 +5,12 @@
 #if KIND == 4
 #include "quadrics/superquadric.glsl"
 #endif
+#if BY_EQUATION_7
+#include "quadrics/equation_7.glsl"
+#endif
+#if IS_DIRECT
+#include "quadrics/direct.glsl"
+#endif
 
 flat in vec4 v_splat[FLOATS4 - PLACE4];
 // WRITES_DISTANCE: along the view, for the least of all to be kept; else the splat's number, with a
@@ -16,14 +22,22 @@ uniform float u_units_per_world;
 uniform float u_depth_unit;
 #endif
 
+#if IS_DIRECT
+float o_splat; // the hit's colour is written in its place
+#else
 layout(location = 0) out float o_splat;
+#endif
 
 void main() {
     vec2 slope = ray_slope();
     vec3 start = ray_start();
     Kept kept = kept_by_planes(slope, start);
 #if KIND == 0
+#if BY_EQUATION_7
+    QuadricHit hit = sphere_hit_by_equation_7(v_splat[1]);
+#else
     QuadricHit hit = sphere_hit(v_splat[0], v_splat[1], slope, start, kept.t_near);
+#endif
     float depth_inside = depth_inside_sphere(v_splat[1], slope, start, kept.t_near);
     o_splat = v_splat[0].y;
 #elif KIND == 4
@@ -58,5 +72,8 @@ void main() {
     o_splat = u_units_per_world * hit.t;
 #else
     gl_FragDepth = u_depth_unit / distance_in_order(hit, kept, depth_inside);
+#endif
+#if IS_DIRECT
+    o_beauty = vec4(direct_colour(hit, start + vec3(slope, -1.0) * hit.t, vec3(slope, -1.0)), 1.0);
 #endif
 }

@@ -15,6 +15,11 @@ uniform int u_first_slot;
 const float small_area = 64.0 * 64.0;
 
 flat out vec4 v_splat[FLOATS4 - PLACE4]; // with the number of the splat + 1 in a free place
+#if IS_DIRECT
+layout(binding = 4) uniform samplerBuffer t_colours; // by primitive
+flat out vec3 v_colour;
+flat out float v_triangle; // its number
+#endif
 
 void main() {
     int splat = gl_VertexID / VERTICES;
@@ -37,6 +42,11 @@ void main() {
 #else
     v_splat[2].w = slot;
 #endif
+#endif
+#if IS_DIRECT
+    vec4 second = texelFetch(t_records, FLOATS4 * splat + 1);
+    v_colour = texelFetch(t_colours, int(KIND == 0 ? second.y : second.z)).rgb;
+    v_triangle = second.w;
 #endif
     vec2 pixel = first.xy + side.x * side_a + side.y * side_b;
     gl_Position = vec4(pixel * u_clip_from_pixel - 1.0, 0.0, 1.0);

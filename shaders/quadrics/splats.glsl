@@ -12,7 +12,7 @@ layout(binding = 5) uniform sampler2D t_splat; // number + 1; 0: none
 layout(binding = 6) uniform samplerBuffer t_splats[6]; // by kind
 uniform ivec2 u_slots[6]; // by kind: the first, how many
 #if HAS_NORMALS
-layout(binding = 12) uniform samplerBuffer t_normals; // of corners, world axes
+#include "quadrics/triangle_normals.glsl"
 #endif
 #if HAS_2
 uniform int u_to_half_colours; // from that of a stick to that of its half at b, if any has two
@@ -156,10 +156,7 @@ Seen seen_splat(int slot) {
         if (hit.t < kept.t_near) hit.t = nowhere;
         hit = cut_hit(hit, kept, slope, 0.0);
 #if HAS_NORMALS
-        int corner = 3 * int(numbers.y);
-        mat3 normals = mat3(texelFetch(t_normals, corner).xyz, texelFetch(t_normals, corner + 1).xyz,
-                            texelFetch(t_normals, corner + 2).xyz);
-        if (!hit.is_cap) hit.normal = smooth_normal(hit, transpose(u_world_from_view) * normals, vec3(slope, -1.0));
+        hit.normal = normal_of_corners(hit, int(numbers.y), transpose(u_world_from_view), vec3(slope, -1.0));
 #endif
         seen = Seen(hit, int(numbers.x), nowhere, mat3(0.0)); // flat, and no thin thing
     }

@@ -161,12 +161,13 @@ void time_peers(Renderer& renderer, const Primitives& primitives, const Camera& 
     const Image drawn = renderer.read(FrameImage::SplatColour);
     std::vector<bool> covered;
     for (std::size_t i = 3; i < drawn.rgba.size(); i += 4) covered.push_back(drawn.rgba[i] != 0);
-    for (const SpheresPeerFrame& frame : spheres_peers({.primitives = primitives,
-                                         .camera = camera,
-                                         .width = width,
-                                         .height = height,
-                                         .repeats = repeats,
-                                         .covered = covered}))
+    const SpheresPeerScene scene{.primitives = primitives,
+                                 .camera = camera,
+                                 .width = width,
+                                 .height = height,
+                                 .repeats = repeats,
+                                 .covered = covered};
+    for (const SpheresPeerFrame& frame : spheres_peers(scene))
         fmt::print("  {:<24} {:>7.4f} s;  {}\n", frame.name, frame.seconds, frame.note);
 }
 

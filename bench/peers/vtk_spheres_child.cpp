@@ -112,8 +112,9 @@ int main(int argc, char** argv) {
             axis[k] = stick[k + 3] - stick[k];
         }
         sticks.add(middle.data(), &stick[7]);
+        const std::array size{std::hypot(axis[0], axis[1], axis[2]), stick[6], 0.f};
+        for (float& x : axis) x /= size[0]; // VTK multiplies by the length
         axes->InsertNextTypedTuple(axis.data());
-        const std::array size{std::hypot(axis[0], axis[1], axis[2]), stick[6], stick[6]};
         sticks.sizes->InsertNextTypedTuple(size.data());
     }
     sticks.finish();

@@ -2,7 +2,7 @@
 #
 # pymol_spheres_child.py gl|ray SCENE MASK EYE(3) TARGET(3) UP(3) FOV WIDTH HEIGHT REPEATS
 # As vtk_spheres_child.cpp; gl is PyMOL's OpenGL with its shaders of impostors, ray its ray tracer
-# with shadows. Both draw CGOs: atoms would become the same impostors.
+# with shadows. Both draw CGOs: as fast as atoms and bonds, which become the same impostors.
 # SPDX-License-Identifier: MPL-2.0
 import statistics
 import sys
@@ -56,7 +56,8 @@ pymol.invocation.parse_args(["pymol", "-q"])
 instance = pymol2.PyMOL()
 instance.start()
 cmd = instance.cmd
-for name in ("internal_gui", "internal_feedback", "depth_cue", "antialias", "ray_opaque_background"):
+for name in ("internal_gui", "internal_feedback", "depth_cue", "antialias",
+             "ray_opaque_background"):
     cmd.set(name, 0)
 cmd.set("max_threads", 2)  # of ray, as many as of the software rasteriser
 instance.reshape(width, height, 1)
@@ -92,7 +93,7 @@ def look_from(eye):
 
 
 def draw(frame):
-    """Seconds of a frame and its reading; the eye moves a little from frame to frame, as ours does."""
+    """Seconds of a frame and its reading; the eye moves a little each time, as ours does."""
     look_from(eye + [1e-3 * frame, 0, 0])
     start = time.perf_counter()
     if how == "ray":

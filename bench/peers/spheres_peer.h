@@ -12,7 +12,7 @@ struct Camera;
 struct Primitives;
 
 struct SpheresPeerScene {
-    const Primitives& primitives; // spheres and cylinders alone are drawn
+    const Primitives& primitives; // spheres and sticks; these in pairs, the halves of bonds
     const Camera& camera;
     int width = 1024;
     int height = 768;

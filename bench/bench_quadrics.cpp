@@ -50,25 +50,20 @@ void time_looks(Renderer& renderer, int repeats, bool is_plain) {
     }
 }
 
-std::array<double, 3> three(const Vec3d& v) {
-    return {v.x(), v.y(), v.z()};
-}
-
-void time_peer(const Primitives& primitives, const Camera& camera, int repeats) {
-    SpheresPeerScene scene{.eye = three(camera.eye_world),
-                           .target = three(camera.target_world),
-                           .up = three(camera.up),
-                           .fov_degrees = camera.fov_y_degrees,
-                           .width = width,
-                           .height = height,
-                           .repeats = repeats};
-    const auto rest = [](double radius, const Vec3d& colour) -> std::array<double, 4> {
-        return {radius, colour.x(), colour.y(), colour.z()};
-    };
-    for (const Sphere& s : primitives.spheres)
-        scene.spheres.push_back({three(s.centre_world), rest(s.radius_world, s.colour)});
-    const SpheresFrame frame = vtk_spheres_peer(scene);
-    fmt::print("  {:<24} {:>7.4f} s;  {}\n", "VTK's sphere mapper", frame.seconds, frame.note);
+void time_peers(Renderer& renderer, const Primitives& primitives, const Camera& camera,
+                int repeats) {
+    renderer.draw(camera, width, height, {FrameImage::SplatColour});
+    const Image drawn = renderer.read(FrameImage::SplatColour);
+    std::vector<bool> covered;
+    for (std::size_t i = 3; i < drawn.rgba.size(); i += 4) covered.push_back(drawn.rgba[i] != 0);
+    const SpheresPeerScene scene{.primitives = primitives,
+                                 .camera = camera,
+                                 .width = width,
+                                 .height = height,
+                                 .repeats = repeats,
+                                 .covered = covered};
+    for (const SpheresPeerFrame& frame : spheres_peers(scene))
+        fmt::print("  {:<24} {:>7.4f} s;  {}\n", frame.name, frame.seconds, frame.note);
 }
 
 } // namespace
@@ -83,7 +78,7 @@ int main(int argc, char** argv) try {
     bool is_plain = false;
     app.add_flag("--plain", is_plain, "plain shading alone");
     bool has_peers = false;
-    app.add_flag("--peers", has_peers, "VTK's sphere mapper in the same run, on scenes of spheres");
+    app.add_flag("--peers", has_peers, "VTK and PyMOL in the same run");
     app.add_flag("--errors", counts_errors, "also count wrong pixels");
     bool is_thesis = false;
     app.add_flag("--thesis", is_thesis,
@@ -108,7 +103,7 @@ int main(int argc, char** argv) try {
                    primitives->cylinders.size());
         time_looks(renderer, repeats, is_plain);
         const Camera camera = camera_of(renderer);
-        if (has_peers && primitives->cylinders.empty()) time_peer(*primitives, camera, repeats);
+        if (has_peers) time_peers(renderer, *primitives, camera, repeats);
         if (counts_errors)
             fmt::print("  wrong pixels: {}\n", wrong_pixels(renderer, *primitives, camera));
     }

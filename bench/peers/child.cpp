@@ -37,7 +37,7 @@ std::string run_child(const std::string& command) {
     return output;
 }
 
-std::vector<bool> read_mask(const std::string& path, int size) {
+std::vector<bool> read_mask(const std::string& path, int width, int height) {
     std::ifstream file(path, std::ios::binary);
     const auto next_word = [&] {
         std::string word;
@@ -45,15 +45,14 @@ std::vector<bool> read_mask(const std::string& path, int size) {
         return word;
     };
     const std::string kind = next_word();
-    const std::string width = next_word();
-    const std::string height = next_word();
+    const std::string columns = next_word();
+    const std::string rows = next_word();
     next_word(); // the greatest value
     file.get();
     const std::string samples(std::istreambuf_iterator<char>(file), {});
-    const std::string wanted = std::to_string(size);
-    if (kind != "P5" || width != wanted || height != wanted ||
-        std::ssize(samples) != std::ptrdiff_t{size} * size)
-        throw ResourceError(fmt::format("{}: not a mask of {} x {} pixels", path, size, size));
+    if (kind != "P5" || columns != std::to_string(width) || rows != std::to_string(height) ||
+        std::ssize(samples) != std::ptrdiff_t{width} * height)
+        throw ResourceError(fmt::format("{}: not a mask of {} x {} pixels", path, width, height));
     std::vector<bool> mask;
     for (const char sample : samples) mask.push_back(sample != 0);
     return mask;

@@ -30,7 +30,7 @@ private:
 std::string run_child(const std::string& command);
 
 /// The samples of a binary PGM file of 8 bits, row by row from the top; true unless 0.
-/// throws  ResourceError unless there are size * size of them
-std::vector<bool> read_mask(const std::string& path, int size);
+/// throws  ResourceError unless there are width * height of them
+std::vector<bool> read_mask(const std::string& path, int width, int height);
 
 } // namespace isocast

@@ -1,36 +1,34 @@
-// Other renderers of spheres, timed from the same camera as ours.
+// Other renderers of spheres and sticks, timed from the same camera as ours.
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
-#include <array>
 #include <limits>
 #include <string>
 #include <vector>
 
 namespace isocast {
 
+struct Camera;
+struct Primitives;
+
 struct SpheresPeerScene {
-    struct PeerSphere {
-        std::array<double, 3> centre;
-        std::array<double, 4> rest; // radius and linear colour
-    };
-    std::vector<PeerSphere> spheres;
-    std::array<double, 3> eye;
-    std::array<double, 3> target;
-    std::array<double, 3> up;
-    double fov_degrees = 30;
+    const Primitives& primitives; // spheres and sticks; these in pairs, the halves of bonds
+    const Camera& camera;
     int width = 1024;
     int height = 768;
     int repeats = 5;
+    std::vector<bool> covered; // pixels of our picture, row by row from the top
 };
 
-struct SpheresFrame {
+struct SpheresPeerFrame {
+    std::string name;
     double seconds = std::numeric_limits<double>::quiet_NaN(); // the median
-    std::string note; // the GL's renderer, or why there is no frame
+    std::string note; // who drew and what it covers, or why there is no frame
 };
 
-/// VTK's sphere mapper with lighting, drawn and read back; a child process under Xvfb.
-/// throws  ResourceError, with the words of the child process, if it fails
-SpheresFrame vtk_spheres_peer(const SpheresPeerScene& scene);
+/// VTK's sphere and stick mappers, PyMOL's OpenGL, PyMOL's `ray` with shadows (one frame), each
+/// with lighting, drawn and read back; child processes under Xvfb. throws  ResourceError, with the
+/// words of the child process, if one fails
+std::vector<SpheresPeerFrame> spheres_peers(const SpheresPeerScene& scene);
 
 } // namespace isocast

@@ -77,7 +77,7 @@ PeerFrame teem_peer(const PeerScene& scene) {
                           unu_program, folder / "picture.nrrd", folder / "mask.pgm"));
     return peer_frame(name, "cubic B-spline, k1 and k2, step 1, no root; one frame",
                       std::numeric_limits<double>::quiet_NaN(), frame_seconds,
-                      read_mask(folder / "mask.pgm", scene.size));
+                      read_mask(folder / "mask.pgm", scene.size, scene.size));
 }
 
 } // namespace isocast

@@ -36,10 +36,10 @@ PeerFrame vtk_peer(const PeerScene& scene) {
     words >> setup_seconds >> frame_seconds >> std::ws;
     if (!std::getline(words, renderer))
         throw ResourceError("the child process of VTK did not say its times:\n" + output);
-    return peer_frame(name,
-                      "trilinear, step 1, no root; setup: first frame, with upload and shaders; " +
-                          renderer,
-                      setup_seconds, frame_seconds, read_mask(folder / "mask.pgm", scene.size));
+    return peer_frame(
+        name,
+        "trilinear, step 1, no root; setup: first frame, with upload and shaders; " + renderer,
+        setup_seconds, frame_seconds, read_mask(folder / "mask.pgm", scene.size, scene.size));
 }
 
 } // namespace isocast

@@ -97,13 +97,13 @@ int main(int argc, char** argv) try {
         return 0;
     }
     for (const BenchScene& scene : bench_scenes(only)) {
-        const auto primitives = std::make_shared<Primitives>(scene.make());
+        const auto primitives = std::make_shared<Primitives>(scene.make(false));
         renderer.load({.primitives = primitives});
         fmt::print("{}: {} spheres, {} cylinders\n", scene.name, primitives->spheres.size(),
                    primitives->cylinders.size());
         time_looks(renderer, repeats, is_plain);
         const Camera camera = camera_of(renderer);
-        if (has_peers) time_peers(renderer, *primitives, camera, repeats);
+        if (has_peers) time_peers(renderer, scene.make(true), camera, repeats);
         if (counts_errors)
             fmt::print("  wrong pixels: {}\n", wrong_pixels(renderer, *primitives, camera));
     }

@@ -43,6 +43,8 @@ FormatInfo info(Format format) {
         return {GL_RG32F, GL_RG, 2, 8};
     case Format::Rg32i:
         return {GL_RG32I, GL_RG_INTEGER, 2, 8};
+    case Format::Rg32ui:
+        return {GL_RG32UI, GL_RG_INTEGER, 2, 8};
     case Format::Rgba16:
         return {GL_RGBA16, GL_RGBA, 4, 8};
     case Format::Rgba32f:

@@ -70,6 +70,7 @@ enum class Format {
     R32ui,
     Rg32f,
     Rg32i,
+    Rg32ui,
     Rgba16,
     Rgba16f,
     Rgba32f,

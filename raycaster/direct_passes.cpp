@@ -18,10 +18,8 @@ namespace {
 
 gl::ProgramKey direct_program(SplatKind kind, bool is_perspective, const CutKind& cut,
                               bool has_normals, std::size_t lights, Shadow shadow) {
-    gl::ProgramKey key = splat_program(kind, is_perspective, cut);
-    for (const auto& [name, value] : {std::pair{"IS_DIRECT", 1},
-                                      {"LIGHTS", static_cast<int>(lights)},
-                                      {"HAS_NORMALS", kind == SplatKind::Triangle && has_normals},
+    gl::ProgramKey key = splat_program(kind, is_perspective, cut, SplatOutput::Colour, has_normals);
+    for (const auto& [name, value] : {std::pair{"LIGHTS", static_cast<int>(lights)},
                                       {"HAS_SHADOW", shadow != Shadow::None},
                                       {"IS_SOFT", shadow == Shadow::Soft}})
         key.defines[name] = std::to_string(value);
@@ -59,33 +57,16 @@ void run_direct(FrameContext& frame) {
     const Look& look = frame.scene.look;
     const double strength = shadow_strength(look);
     const Shadow shadow = strength > 0 ? casting_light(look)->shadow : Shadow::None;
-    const gl::Texture depth = gl::Texture::image(gl::Format::Depth32f, frame.part.width,
-                                                 frame.part.height, "depth of splats");
-    frame.scratch_bytes += depth.byte_count();
-    const gl::Framebuffer target({&frame.targets.texture(FrameImage::Beauty)}, "direct", &depth);
-    target.bind();
     Eigen::Vector4f background = Eigen::Vector4f::Zero();
     background.head<3>() = look.background.cast<float>();
-    const float infinitely_far = 0;
-    glClearBufferfv(GL_COLOR, 0, background.data());
-    glClearBufferfv(GL_DEPTH, 0, &infinitely_far);
-    set_fixed_state();
-    glEnable(GL_DEPTH_TEST);
-    glDepthFunc(GL_GREATER);
     frame.splat_colours->texture.bind_to_unit(4);
-    if (has_normals(*frame.seen.splats))
-        frame.seen.splats->triangle_normals->texture.bind_to_unit(12);
-    draw_splats(
-        frame,
+    draw_nearest_splats(
+        frame, FrameImage::Beauty, background,
         [&](SplatKind kind) {
             return direct_program(kind, is_perspective(frame), cut_kind_of(frame),
                                   has_normals(*frame.seen.splats), look.lights.size(), shadow);
         },
         [&](const gl::Program& program, const SplatsOnGpu::OfKind&) {
-            program.set("u_depth_unit", splat_depth_unit(frame));
-            program.set(
-                "u_world_from_view",
-                Eigen::Matrix3f(frame.camera.view_from_world_rotation().transpose().cast<float>()));
             program.set("u_ray_vector", Eigen::Matrix3f(world_vector_coefficients(
                                                             frame.camera, frame.width, frame.height)
                                                             .cast<float>()));
@@ -94,7 +75,6 @@ void run_direct(FrameContext& frame) {
             set_shadow_uniforms(program, frame);
             program.set("u_shadow_strength", static_cast<float>(strength));
         });
-    glDisable(GL_DEPTH_TEST);
 }
 
 std::vector<gl::ProgramKey> direct_programs() {

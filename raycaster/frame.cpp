@@ -204,6 +204,8 @@ gl::Format format_of(FrameImage image) {
     case FrameImage::Reflection:
     case FrameImage::Beauty:
         return gl::Format::Rgba16f;
+    case FrameImage::SplatSurface:
+        return gl::Format::Rg32ui;
     case FrameImage::Bounds:
     case FrameImage::Shadow:
         return gl::Format::Rg32f;

@@ -12,6 +12,7 @@ namespace isocast {
 std::string_view name_of(FrameImage image) {
     constexpr std::array<std::string_view, frame_image_count> names{"bounds",
                                                                     "splat",
+                                                                    "splat surface",
                                                                     "hit",
                                                                     "steps",
                                                                     "gradient",

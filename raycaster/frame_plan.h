@@ -12,10 +12,12 @@ namespace isocast {
 
 /// The images of a frame. A changed image gets a new name, so each has one writer.
 enum class FrameImage {
-    Bounds,    // where rays first and last meet the faces around active blocks: t, -t [voxels]
-    Splat,     // number of the first primitive + 1, as this camera's splats are numbered; 0: none
-    Hit,       // first hit: eye-relative position [world], object
-    Steps,     // how often the ray's search looked at the field
+    Bounds, // where rays first and last meet the faces around active blocks: t, -t [voxels]
+    Splat,  // number of the first primitive + 1, as this camera's splats are numbered; 0: none
+    SplatSurface, // integers: number of its colour + 1, with bit 31 of the half at b of a stick, 0:
+                  // none; its normal, view space, as shaders/common/octahedral.glsl
+    Hit,          // first hit: eye-relative position [world], object
+    Steps,        // how often the ray's search looked at the field
     Gradient,  // gradient of the field at the hit [1/world * world], world axes; of primitives the
                // unit normal, then how wide they are, by 16 pixels and 1 at most; 1 for fields
     Curvature, // principal curvatures k1 >= k2 [1/world], 0; 1, or 2 where the gradient vanishes,
@@ -44,7 +46,7 @@ enum class FrameImage {
     Outlines,
     Beauty, // shaded colour, linear; coverage
 };
-inline constexpr int frame_image_count = 27;
+inline constexpr int frame_image_count = 28;
 
 std::string_view name_of(FrameImage image);
 

@@ -21,6 +21,7 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
     std::vector<Pass> passes{
         {"bounds", {}, FrameImage::Bounds, [&frame] { run_bounds(frame); }},
         {"splats", {}, FrameImage::Splat, [&frame] { run_splats(frame); }},
+        {"splat surfaces", {}, FrameImage::SplatSurface, [&frame] { run_splat_surfaces(frame); }},
         {"raycast", hit_reads, FrameImage::Hit, [&frame] { run_hits(frame); }},
         {"steps", {FrameImage::Hit}, FrameImage::Steps, [] {}},              // with the hits
         {"splat colour", {FrameImage::Hit}, FrameImage::SplatColour, [] {}}, // with the hits

@@ -2,6 +2,7 @@
 #include "raycaster/shading.h"
 
 #include "raycaster/environment.h"
+#include "raycaster/splat_passes.h"
 
 #include <fmt/format.h>
 
@@ -14,8 +15,10 @@ namespace {
 constexpr int first_layer_unit =
     2; // of shaders/shading/layers.glsl; the environment has the last, 15
 
+/// of_splats  reads FrameImage::SplatSurface
 gl::ProgramKey shading_program(ShadingModel model, bool shows_environment, std::size_t lights,
-                               std::size_t objects, const std::map<Blend, std::size_t>& counts) {
+                               std::size_t objects, const std::map<Blend, std::size_t>& counts,
+                               bool of_splats = false) {
     const auto count = [&](Blend blend) {
         const auto found = counts.find(blend);
         return std::to_string(found == counts.end() ? 0 : found->second);
@@ -25,6 +28,7 @@ gl::ProgramKey shading_program(ShadingModel model, bool shows_environment, std::
              {"SHOWS_ENVIRONMENT", shows_environment ? "1" : "0"},
              {"LIGHTS", std::to_string(model == ShadingModel::Flat ? 0 : lights)},
              {"OBJECTS", std::to_string(objects)},
+             {"OF_SPLATS", of_splats ? "1" : "0"},
              {"SURFACE_LAYERS", count(Blend::SurfaceColour)},
              {"SURFACE_FACTORS", count(Blend::SurfaceFactor)},
              {"AMBIENT_FACTORS", count(Blend::AmbientLight)},
@@ -47,6 +51,14 @@ std::vector<Layer> live_layers(const FrameContext& frame) {
     });
     std::ranges::stable_sort(layers, {}, &Layer::blend);
     return layers;
+}
+
+/// Primitives alone, of which nothing else reads hits, normals and colours.
+bool shades_splats(const FrameContext& frame) {
+    return frame.seen.objects.empty() &&
+           std::ranges::all_of(live_layers(frame), [](const Layer& layer) {
+               return layer.image == FrameImage::SplatColour;
+           });
 }
 
 Eigen::Vector3f to_float(const Vec3d& v) {
@@ -84,6 +96,7 @@ const Light* casting_light(const Look& look) {
 }
 
 ImageSet shading_reads(const FrameContext& frame) {
+    if (shades_splats(frame)) return {FrameImage::SplatSurface};
     ImageSet reads{FrameImage::Hit};
     if (frame.scene.look.model != ShadingModel::Flat) reads.insert(FrameImage::Gradient);
     for (const Layer& layer : live_layers(frame)) reads.insert(layer.image);
@@ -107,15 +120,26 @@ void set_lights(const gl::Program& program, const FrameContext& frame) {
 
 void run_shading(FrameContext& frame) {
     const Look& look = frame.scene.look;
-    const std::vector<Layer> layers = live_layers(frame);
+    const bool of_splats = shades_splats(frame);
+    const std::vector<Layer> layers = of_splats ? std::vector<Layer>{} : live_layers(frame);
     std::map<Blend, std::size_t> counts;
     for (const Layer& layer : layers) ++counts[layer.blend];
     const std::size_t owners =
         frame.seen.objects.size() + std::size_t{frame.seen.splats.has_value()};
-    const gl::Program& program = frame.shaders.program(
-        shading_program(look.model, look.shows_environment, look.lights.size(), owners, counts));
+    const gl::Program& program = frame.shaders.program(shading_program(
+        look.model, look.shows_environment, look.lights.size(), owners, counts, of_splats));
 
-    frame.targets.texture(FrameImage::Hit).bind_to_unit(0);
+    if (of_splats) {
+        frame.targets.texture(FrameImage::SplatSurface).bind_to_unit(0);
+        frame.splat_colours->texture.bind_to_unit(1);
+        program.set("u_to_half_colours", frame.seen.splats->to_half_colours);
+        if (look.model != ShadingModel::Flat)
+            program.set("u_world_from_view", world_from_view(frame));
+    } else {
+        frame.targets.texture(FrameImage::Hit).bind_to_unit(0);
+        if (look.model != ShadingModel::Flat)
+            frame.targets.texture(FrameImage::Gradient).bind_to_unit(1);
+    }
     int unit = first_layer_unit;
     std::map<Blend, int> numbers;
     for (const Layer& layer : layers) {
@@ -139,7 +163,6 @@ void run_shading(FrameContext& frame) {
                         to_float(object.cut_colour.value_or(colour)));
     }
     if (look.model != ShadingModel::Flat) {
-        frame.targets.texture(FrameImage::Gradient).bind_to_unit(1);
         set_lights(program, frame);
         if (look.model == ShadingModel::Gooch) {
             program.set("u_cool", to_float(look.tones.cool));
@@ -183,6 +206,8 @@ std::vector<gl::ProgramKey> shading_programs() {
                                      {Blend::AmbientLight, factors},
                                      {Blend::DirectLight, std::min<std::size_t>(1, factors)},
                                      {Blend::Overlay, count}}));
+                if (count == 0)
+                    keys.push_back(shading_program(model, shows_environment, 1, 1, {}, true));
             }
     return keys;
 }

@@ -78,8 +78,7 @@ void set_splat_uniforms(const gl::Program& program, const FrameContext& frame) {
         frame.seen.splats->triangle_normals->texture.bind_to_unit(first_unit + splat_kind_count);
     if (program.has("u_to_half_colours"))
         program.set("u_to_half_colours", frame.seen.splats->to_half_colours);
-    program.set("u_world_from_view",
-                Eigen::Matrix3f(frame.camera.view_from_world_rotation().transpose().cast<float>()));
+    program.set("u_world_from_view", world_from_view(frame));
 }
 
 float owner_number(const FrameContext& frame) {
@@ -87,27 +86,34 @@ float owner_number(const FrameContext& frame) {
 }
 
 /// Those of this frame.
-auto splat_programs_of(const FrameContext& frame, bool writes_distance) {
-    return [&frame, writes_distance](SplatKind kind) {
-        return splat_program(kind, is_perspective(frame), cut_kind_of(frame), writes_distance);
+auto splat_programs_of(const FrameContext& frame, SplatOutput output) {
+    return [&frame, output](SplatKind kind) {
+        return splat_program(kind, is_perspective(frame), cut_kind_of(frame), output,
+                             has_normals(*frame.seen.splats));
     };
 }
 
 } // namespace
 
 gl::ProgramKey splat_program(SplatKind kind, bool is_perspective, const CutKind& cut,
-                             bool writes_distance) {
+                             SplatOutput output, bool has_normals) {
     const auto k = static_cast<std::size_t>(kind);
+    const bool reads_normals = kind == SplatKind::Triangle && has_normals &&
+                               (output == SplatOutput::Surface || output == SplatOutput::Colour);
     Defines defines{{"KIND", std::to_string(k)},
                     {"FLOATS4", std::to_string(splat_floats[k] / 4)},
                     {"PLACE4", std::to_string(place_floats(kind) / 4)}, // of the rectangle
                     {"VERTICES", std::to_string(vertex_count(kind))},
-                    {"WRITES_DISTANCE", writes_distance ? "1" : "0"},
-                    {"IS_DIRECT", "0"},
+                    {"OUTPUT", std::to_string(static_cast<int>(output))},
+                    {"HAS_NORMALS", reads_normals ? "1" : "0"},
                     {"BY_EQUATION_7", "0"},
                     {"IS_PERSPECTIVE", is_perspective ? "1" : "0"}};
     add_cut_defines(defines, cut);
     return {{"quadrics/splat.vert", "quadrics/splat.frag"}, std::move(defines)};
+}
+
+Eigen::Matrix3f world_from_view(const FrameContext& frame) {
+    return frame.camera.view_from_world_rotation().transpose().cast<float>();
 }
 
 bool is_perspective(const FrameContext& frame) {
@@ -130,6 +136,12 @@ void draw_splats(
         const gl::Program& program = frame.shaders.program(key);
         set_ray_uniforms(program, frame);
         if (program.has("u_view_from_window")) set_equation_7(program, frame);
+        if (program.has("u_to_half_colours"))
+            program.set("u_to_half_colours", frame.seen.splats->to_half_colours);
+        if (has_normals(*frame.seen.splats))
+            frame.seen.splats->triangle_normals->texture.bind_to_unit(12);
+        if (program.has("u_world_from_view"))
+            program.set("u_world_from_view", world_from_view(frame));
         program.set("u_clip_from_pixel",
                     Eigen::Vector2f(2 / static_cast<float>(frame.part.width),
                                     2 / static_cast<float>(frame.part.height)));
@@ -139,10 +151,6 @@ void draw_splats(
         program.use();
         glDrawArrays(GL_TRIANGLES, 0, vertex_count(of_kind.kind) * of_kind.count);
     }
-}
-
-float splat_depth_unit(const FrameContext& frame) {
-    return static_cast<float>(1e-20 * extent_diagonal_world(frame));
 }
 
 CutKind cut_kind_of(const FrameContext& frame) {
@@ -173,31 +181,52 @@ void set_cut_planes(const gl::Program& program, const FrameContext& frame,
     }
 }
 
-void run_splats(FrameContext& frame) {
+void draw_nearest_splats(
+    FrameContext& frame, FrameImage image, const Eigen::Vector4f& none,
+    const std::function<gl::ProgramKey(SplatKind)>& program_of,
+    const std::function<void(const gl::Program&, const SplatsOnGpu::OfKind&)>& prepare) {
     const gl::Texture depth = gl::Texture::image(gl::Format::Depth32f, frame.part.width,
                                                  frame.part.height, "depth of splats");
     frame.scratch_bytes += depth.byte_count();
-    const gl::Framebuffer target({&frame.targets.texture(FrameImage::Splat)}, "splats", &depth);
+    const gl::Framebuffer target({&frame.targets.texture(image)}, "nearest splats", &depth);
     target.bind();
-    const Eigen::Vector4f none = Eigen::Vector4f::Zero();
-    glClearBufferfv(GL_COLOR, 0, none.data());
-    glClearBufferfv(GL_DEPTH, 0, none.data()); // infinitely far
+    const float infinitely_far = 0;
+    if (image == FrameImage::SplatSurface)
+        glClearBufferuiv(GL_COLOR, 0, std::array<GLuint, 4>{}.data());
+    else
+        glClearBufferfv(GL_COLOR, 0, none.data());
+    glClearBufferfv(GL_DEPTH, 0, &infinitely_far);
     set_fixed_state();
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
-    draw_splats(frame, splat_programs_of(frame, false),
-                [&](const gl::Program& program, const SplatsOnGpu::OfKind& of_kind) {
-                    program.set("u_first_slot", of_kind.first_slot);
-                    program.set("u_depth_unit", splat_depth_unit(frame));
-                });
+    draw_splats(
+        frame, program_of, [&](const gl::Program& program, const SplatsOnGpu::OfKind& of_kind) {
+            // Only what is nearer than 1e-20 of the scene's size is clamped.
+            program.set("u_depth_unit", static_cast<float>(1e-20 * extent_diagonal_world(frame)));
+            prepare(program, of_kind);
+        });
     glDisable(GL_DEPTH_TEST);
+}
+
+void run_splats(FrameContext& frame) {
+    draw_nearest_splats(frame, FrameImage::Splat, Eigen::Vector4f::Zero(),
+                        splat_programs_of(frame, SplatOutput::Number),
+                        [&](const gl::Program& program, const SplatsOnGpu::OfKind& of_kind) {
+                            program.set("u_first_slot", of_kind.first_slot);
+                        });
+}
+
+void run_splat_surfaces(FrameContext& frame) {
+    draw_nearest_splats(frame, FrameImage::SplatSurface, Eigen::Vector4f::Zero(),
+                        splat_programs_of(frame, SplatOutput::Surface),
+                        [](const gl::Program&, const SplatsOnGpu::OfKind&) {});
 }
 
 void draw_splat_distances(const FrameContext& frame, double unit_world) {
     set_fixed_state();
     glEnable(GL_BLEND);
     glBlendEquation(GL_MIN);
-    draw_splats(frame, splat_programs_of(frame, true),
+    draw_splats(frame, splat_programs_of(frame, SplatOutput::Distance),
                 [&](const gl::Program& program, const SplatsOnGpu::OfKind&) {
                     program.set("u_units_per_world", static_cast<float>(1 / unit_world));
                 });
@@ -255,10 +284,12 @@ std::vector<gl::ProgramKey> splat_programs() {
     for (const bool is_perspective : {false, true}) {
         for (int k = 0; k < splat_kind_count; ++k) {
             const auto kind = static_cast<SplatKind>(k);
-            for (const bool writes_distance : {false, true})
-                keys.push_back(splat_program(kind, is_perspective, {}, writes_distance));
-            for (const CutLook look : {CutLook::Inside, CutLook::Flat, CutLook::Capped})
-                keys.push_back(splat_program(kind, is_perspective, {2, look}));
+            for (const SplatOutput output :
+                 {SplatOutput::Number, SplatOutput::Distance, SplatOutput::Surface}) {
+                keys.push_back(splat_program(kind, is_perspective, {}, output));
+                for (const CutLook look : {CutLook::Inside, CutLook::Flat, CutLook::Capped})
+                    keys.push_back(splat_program(kind, is_perspective, {2, look}, output, true));
+            }
         }
         for (const CutLook look : {CutLook::Inside, CutLook::Flat, CutLook::Capped})
             keys.push_back(

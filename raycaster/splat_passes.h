@@ -8,6 +8,9 @@ namespace isocast {
 
 /// FrameImage::Splat, of what no field hides: order-independent, by depth.
 void run_splats(FrameContext& frame);
+/// FrameImage::SplatSurface, as that: for scenes of primitives alone, in which nothing but shading
+/// looks at hits.
+void run_splat_surfaces(FrameContext& frame);
 /// Into the bound framebuffer of one float: distances along the view where they are less than what
 /// is there.
 void draw_splat_distances(const FrameContext& frame, double unit_world);
@@ -31,9 +34,17 @@ void add_kind_defines(std::map<std::string, std::string>& defines, unsigned kind
 void set_cut_planes(const gl::Program& program, const FrameContext& frame,
                     const Mat3d& axes_from_world);
 
-/// distance  instead of the splat's number: how far away it is
+/// What is written of a splat's hit.
+enum class SplatOutput {
+    Number,   // of the splat + 1
+    Distance, // along the view
+    Surface,  // as FrameImage::SplatSurface
+    Colour,   // lit
+};
+/// has_normals  whether triangles have some at corners; of surfaces and colours
 gl::ProgramKey splat_program(SplatKind kind, bool is_perspective, const CutKind& cut,
-                             bool writes_distance = false);
+                             SplatOutput output = SplatOutput::Number, bool has_normals = false);
+Eigen::Matrix3f world_from_view(const FrameContext& frame);
 bool is_perspective(const FrameContext& frame);
 /// Whether triangles have normals at their corners.
 bool has_normals(const SplatsOnGpu& splats);
@@ -44,9 +55,13 @@ bool has_normals(const SplatsOnGpu& splats);
 void draw_splats(
     const FrameContext& frame, const std::function<gl::ProgramKey(SplatKind)>& program_of,
     const std::function<void(const gl::Program&, const SplatsOnGpu::OfKind&)>& prepare);
-/// Depths of splats are this by their distances: only what is nearer than 1e-20 of the scene's size
-/// is clamped.
-float splat_depth_unit(const FrameContext& frame);
+/// The same into an image of the frame, the nearest of all.
+///
+/// none  where there are no splats; integers are 0 there
+void draw_nearest_splats(
+    FrameContext& frame, FrameImage image, const Eigen::Vector4f& none,
+    const std::function<gl::ProgramKey(SplatKind)>& program_of,
+    const std::function<void(const gl::Program&, const SplatsOnGpu::OfKind&)>& prepare);
 
 /// Every program that these can ask for.
 std::vector<gl::ProgramKey> splat_programs();

@@ -15,7 +15,8 @@ inline constexpr int height = 768;
 
 struct BenchScene {
     std::string name;
-    std::function<Primitives()> make;
+    /// for_peers  with sticks in halves of one colour, from atom to atom
+    std::function<Primitives(bool for_peers)> make;
 };
 /// Those with `only` in their names.
 std::vector<BenchScene> bench_scenes(const std::string& only);

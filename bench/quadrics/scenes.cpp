@@ -83,10 +83,21 @@ Primitives ball_of_sticks(int atoms) {
     return primitives;
 }
 
-Primitives molecule(const char* file, MoleculeStyle style) {
-    const MoleculePrimitives drawn =
-        primitives_of(read_molecule(shared_data / file), {.style = style});
-    return {.spheres = drawn.spheres, .cylinders = drawn.sticks};
+Primitives molecule(const char* file, MoleculeStyle style, bool for_peers) {
+    const MoleculePrimitives drawn = primitives_of(
+        read_molecule(shared_data / file), {.style = style, .ends_sticks_in_balls = !for_peers});
+    Primitives primitives{.spheres = drawn.spheres};
+    if (!for_peers) primitives.cylinders = drawn.sticks;
+    if (for_peers)
+        for (const Cylinder& stick : drawn.sticks) {
+            const Vec3d middle = (stick.a_world + stick.b_world) / 2;
+            const Vec3d colour_b = stick.colour_b.value_or(stick.colour);
+            primitives.cylinders.push_back(
+                {stick.a_world, middle, stick.radius_world, false, stick.colour});
+            primitives.cylinders.push_back(
+                {stick.b_world, middle, stick.radius_world, false, colour_b});
+        }
+    return primitives;
 }
 
 Mat3d rotation(Random& random) {
@@ -156,11 +167,12 @@ void add(Primitives& to, Specimen specimen, const Vec3d& centre, double r, Rando
 
 std::vector<BenchScene> bench_scenes(const std::string& only) {
     std::vector<BenchScene> scenes{
-        {"1tii space-filling", [] { return molecule("1tii.pdb", MoleculeStyle::SpaceFilling); }},
+        {"1tii space-filling",
+         [](bool halves) { return molecule("1tii.pdb", MoleculeStyle::SpaceFilling, halves); }},
         {"1tii balls and sticks",
-         [] { return molecule("1tii.pdb", MoleculeStyle::BallsAndSticks); }},
-        {"52 k spheres in a ball", [] { return ball_of_spheres(52000, 45); }},
-        {"99 k + 198 k", [] { return ball_of_sticks(99000); }}};
+         [](bool halves) { return molecule("1tii.pdb", MoleculeStyle::BallsAndSticks, halves); }},
+        {"52 k spheres in a ball", [](bool) { return ball_of_spheres(52000, 45); }},
+        {"99 k + 198 k", [](bool) { return ball_of_sticks(99000); }}};
     std::erase_if(scenes, [&](const BenchScene& scene) {
         return scene.name.find(only) == std::string::npos;
     });

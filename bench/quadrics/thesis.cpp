@@ -154,7 +154,7 @@ void run_table_7_3(Renderer& renderer, const std::string& only, int repeats) {
     fmt::print("{:<24} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}\n", "scene", "spheres",
                "cylinders", "Phong", "+ SM", "Phong", "+ SM", "+ SM + SL");
     for (const BenchScene& scene : bench_scenes(only)) {
-        const auto primitives = std::make_shared<const Primitives>(scene.make());
+        const auto primitives = std::make_shared<const Primitives>(scene.make(false));
         std::array<std::vector<double>, shown.size()> seconds;
         for (int turn = 0; turn < repeats; ++turn) // in turns, so that a machine's drift is in all
             for (std::size_t i = 0; i < shown.size(); ++i)

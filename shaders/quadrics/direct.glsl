@@ -5,10 +5,7 @@
 #include "shading/normal.glsl"
 #include "shading/blinn_phong/blinn_phong.glsl"
 //
-// HAS_NORMALS: whether triangles have normals at corners; HAS_SHADOW: whether a light casts any.
-#if HAS_NORMALS
-#include "quadrics/triangle_normals.glsl"
-#endif
+// HAS_SHADOW: whether a light casts any.
 #if HAS_SHADOW
 #include "shading/shadow/shadow.glsl"
 uniform float u_shadow_strength;
@@ -18,15 +15,15 @@ uniform int u_shadowed_light;
 uniform mat3 u_ray_vector; // world axes, affine in the pixel: towards the scene
 uniform mat3 u_world_from_view;
 flat in vec3 v_colour;
-flat in float v_triangle;
-
-layout(location = 0) out vec4 o_beauty; // linear RGB, coverage
-
-// p, v  where it is and along which ray, in view space
-vec3 direct_colour(QuadricHit hit, vec3 p, vec3 v) {
-#if HAS_NORMALS
-    hit.normal = normal_of_corners(hit, int(v_triangle), transpose(u_world_from_view), v);
+#if KIND == 2
+flat in vec3 v_colour_b;
+#else
+const vec3 v_colour_b = vec3(0.0);
 #endif
+
+// is_b  it is in the other half of a stick
+// p     where, in view space
+vec3 direct_colour(QuadricHit hit, bool is_b, vec3 p) {
     vec3 normal = u_world_from_view * hit.normal;
     vec3 direction = u_ray_vector * vec3(1.0, picture_pixel());
     ShadowOfLight shadow = ShadowOfLight(-1, 1.0);
@@ -35,5 +32,5 @@ vec3 direct_colour(QuadricHit hit, vec3 p, vec3 v) {
     shadow = ShadowOfLight(u_shadowed_light, mix(1.0, share, u_shadow_strength));
 #endif
     vec3 to_viewer = -normalize(direction);
-    return lit(v_colour, facing_normal(normal, to_viewer), to_viewer, 1.0, shadow);
+    return lit(is_b ? v_colour_b : v_colour, facing_normal(normal, to_viewer), to_viewer, 1.0, shadow);
 }

@@ -8,24 +8,34 @@
 #if BY_EQUATION_7
 #include "quadrics/equation_7.glsl"
 #endif
-#if IS_DIRECT
+#if HAS_NORMALS
+#include "quadrics/triangle_normals.glsl"
+#endif
+#if OUTPUT == 3
 #include "quadrics/direct.glsl"
+#elif HAS_NORMALS
+uniform mat3 u_world_from_view;
 #endif
 
+// OUTPUT: raycaster/splat_passes.h, SplatOutput.
 flat in vec4 v_splat[FLOATS4 - PLACE4];
-// WRITES_DISTANCE: along the view, for the least of all to be kept; else the splat's number, with a
-// depth.
-#if WRITES_DISTANCE
-uniform float u_units_per_world;
+#if OUTPUT == 1
+uniform float u_units_per_world; // the least of all distances is kept
 #else
 // Depths are this by the distance along the view: floats keep their digits at any.
 uniform float u_depth_unit;
 #endif
+#if HAS_NORMALS
+flat in float v_triangle;
+#endif
 
-#if IS_DIRECT
-float o_splat; // the hit's colour is written in its place
+#if OUTPUT == 2
+#include "common/octahedral.glsl"
+layout(location = 0) out uvec2 o_surface;
+#elif OUTPUT == 3
+layout(location = 0) out vec4 o_beauty; // linear RGB, coverage
 #else
-layout(location = 0) out float o_splat;
+layout(location = 0) out float o_splat; // its number, or how far away it is
 #endif
 
 void main() {
@@ -39,17 +49,17 @@ void main() {
     QuadricHit hit = sphere_hit(v_splat[0], v_splat[1], slope, start, kept.t_near);
 #endif
     float depth_inside = depth_inside_sphere(v_splat[1], slope, start, kept.t_near);
-    o_splat = v_splat[0].y;
+    float number = v_splat[0].y;
 #elif KIND == 4
     Superquadric body = superquadric_of(v_splat[0], v_splat[1], v_splat[2], v_splat[3], start);
     QuadricHit hit = superquadric_hit(body, slope, kept.t_near);
     float depth_inside = depth_inside_superquadric(body, slope, kept.t_near);
-    o_splat = v_splat[2].w;
+    float number = v_splat[2].w;
 #elif KIND == 5
     QuadricHit hit = triangle_hit(vec4[3](v_splat[0], v_splat[1], v_splat[2]), v_splat[3], ray_at());
     if (hit.t < kept.t_near) hit.t = nowhere;
     const float depth_inside = 0.0;
-    o_splat = v_splat[2].w;
+    float number = v_splat[2].w;
 #else
 #if KIND == 1
     Quadric quadric = ellipsoid_of(v_splat[0], v_splat[1], v_splat[2], v_splat[3], start);
@@ -64,16 +74,28 @@ void main() {
 #endif
     QuadricHit hit = first_hit(kind, quadric, slope, kept.t_near);
     float depth_inside = depth_inside_quadric(kind, quadric, slope, kept.t_near);
-    o_splat = v_splat[2].w;
+    float number = v_splat[2].w;
 #endif
     hit = cut_hit(hit, kept, slope, depth_inside);
     if (hit.t >= nowhere) discard;
-#if WRITES_DISTANCE
+#if OUTPUT == 1
     o_splat = u_units_per_world * hit.t;
 #else
     gl_FragDepth = u_depth_unit / distance_in_order(hit, kept, depth_inside);
 #endif
-#if IS_DIRECT
-    o_beauty = vec4(direct_colour(hit, start + vec3(slope, -1.0) * hit.t, vec3(slope, -1.0)), 1.0);
+#if HAS_NORMALS
+    hit.normal = normal_of_corners(hit, int(v_triangle), transpose(u_world_from_view), vec3(slope, -1.0));
+#endif
+#if KIND == 2
+    bool is_b = is_in_half_b(hit, quadric, slope);
+#else
+    const bool is_b = false;
+#endif
+#if OUTPUT == 0
+    o_splat = number;
+#elif OUTPUT == 2
+    o_surface = uvec2(uint(number) + (is_b ? 0x80000001u : 1u), packed_direction(hit.normal));
+#elif OUTPUT == 3
+    o_beauty = vec4(direct_colour(hit, is_b, start + vec3(slope, -1.0) * hit.t), 1.0);
 #endif
 }

@@ -83,6 +83,15 @@ Quadric cone_of(vec4 centre, vec4 axis, vec4 shape, vec3 start) {
                    1.0 - abs(shape.y), shape.y, bvec2((flags & 2) != 0, (flags & 4) != 0), mat3(0.0),
                    vec3(0.0), 0.0, centre.w, (flags & 1) != 0);
 }
+// Whether a hit of it lies in the half at b.
+bool is_in_half_b(QuadricHit hit, Quadric quadric, vec2 slope) {
+#if CUT_PLANES > 0 && CUT_LOOK == 2
+    // Caps of cuts come without a place.
+    return (quadric.local_from_view * (vec3(slope, -1.0) * hit.t - quadric.centre)).z > 0.0;
+#else
+    return hit.q.z > 0.0;
+#endif
+}
 // General ones: as ellipsoids, with c in the third row | a_xx a_xy a_xz b_x | a_yy a_yz a_zz b_y | b_z.
 Quadric general_of(vec4 centre, vec4 row0, vec4 row1, vec4 row2, vec4 a, vec4 b, vec4 c, vec3 start) {
     Quadric quadric = ellipsoid_of(centre, row0, row1, row2, start);

@@ -7,18 +7,25 @@
 
 layout(binding = 0) uniform samplerBuffer t_records; // of this kind
 uniform vec2 u_clip_from_pixel;                      // 2 / size of the part, per axis
-#if !WRITES_DISTANCE
+#if OUTPUT == 0
 uniform int u_first_slot;
 #endif
 // Squared [pixel^4]. Measured: setting up a second triangle takes longer than the pixels of one
 // twice as large.
 const float small_area = 64.0 * 64.0;
 
-flat out vec4 v_splat[FLOATS4 - PLACE4]; // with the number of the splat + 1 in a free place
-#if IS_DIRECT
+// With a number in a free place: of the splat + 1, or of its colour.
+flat out vec4 v_splat[FLOATS4 - PLACE4];
+#if OUTPUT >= 2
+flat out float v_triangle; // its number
+#endif
+#if OUTPUT == 3
 layout(binding = 4) uniform samplerBuffer t_colours; // by primitive
 flat out vec3 v_colour;
-flat out float v_triangle; // its number
+#if KIND == 2
+uniform int u_to_half_colours; // from that of a stick to that of its half at b, if any has two
+flat out vec3 v_colour_b;
+#endif
 #endif
 
 void main() {
@@ -35,18 +42,25 @@ void main() {
         side = gl_VertexID % 6 < 3 ? 2.0 * side : vec2(0.0);
 #endif
     for (int i = PLACE4; i < FLOATS4; ++i) v_splat[i - PLACE4] = texelFetch(t_records, FLOATS4 * splat + i);
-#if !WRITES_DISTANCE
-    float slot = float(u_first_slot + splat + 1);
-#if KIND == 0
-    v_splat[0].y = slot;
-#else
-    v_splat[2].w = slot;
-#endif
-#endif
-#if IS_DIRECT
+#if OUTPUT == 0
+    float number = float(u_first_slot + splat + 1);
+#elif OUTPUT >= 2
     vec4 second = texelFetch(t_records, FLOATS4 * splat + 1);
-    v_colour = texelFetch(t_colours, int(KIND == 0 ? second.y : second.z)).rgb;
+    float number = KIND == 0 ? second.y : second.z;
     v_triangle = second.w;
+#endif
+#if OUTPUT != 1
+#if KIND == 0
+    v_splat[0].y = number;
+#else
+    v_splat[2].w = number;
+#endif
+#endif
+#if OUTPUT == 3
+    v_colour = texelFetch(t_colours, int(number)).rgb;
+#if KIND == 2
+    v_colour_b = texelFetch(t_colours, int(number) + u_to_half_colours).rgb;
+#endif
 #endif
     vec2 pixel = first.xy + side.x * side_a + side.y * side_b;
     gl_Position = vec4(pixel * u_clip_from_pixel - 1.0, 0.0, 1.0);

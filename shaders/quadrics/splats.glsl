@@ -62,12 +62,7 @@ Seen seen_quadric(int kind, Quadric quadric, int colour, vec2 slope, Kept kept) 
     QuadricHit hit = first_hit(kind, quadric, slope, kept.t_near);
     hit = cut_hit(hit, kept, slope, depth_inside_quadric(kind, quadric, slope, kept.t_near));
 #if HAS_2
-    if (kind == cone) {
-#if CUT_PLANES > 0 && CUT_LOOK == 2
-        hit.q = quadric.local_from_view * (vec3(slope, -1.0) * hit.t - quadric.centre); // caps lack it
-#endif
-        colour += hit.q.z > 0.0 ? u_to_half_colours : 0;
-    }
+    if (kind == cone) colour += is_in_half_b(hit, quadric, slope) ? u_to_half_colours : 0;
 #endif
     return Seen(hit, colour, width_of(quadric.local_from_view), hessian_of(kind, quadric, hit));
 }

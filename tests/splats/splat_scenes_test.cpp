@@ -244,10 +244,18 @@ TEST_F(SplatScenes, RunOnlyWhatIsAsked) {
     EXPECT_EQ(report.field_bytes, 0);
 
     report = renderer.draw(camera, size, size, {FrameImage::Beauty});
+    for (const PassReport& p : report.passes)
+        EXPECT_EQ(p.ran, p.name == "splat surfaces" || p.name == "shading") << p.name;
+    EXPECT_EQ(report.programs_compiled, 3);               // and shading
+    EXPECT_EQ(report.image_bytes, size * size * (8 + 8)); // surfaces of splats and the picture
+
+    Look look;
+    look.effects.outlines.strength = 1;
+    renderer.set_look(look);
+    report = renderer.draw(camera, size, size, {FrameImage::Beauty});
     int ran = 0;
     for (const PassReport& p : report.passes) ran += p.ran && p.drawn_by.empty();
-    EXPECT_EQ(ran, 3);                      // and shading: colours and normals come with the hits
-    EXPECT_EQ(report.programs_compiled, 4); // hits with these, and shading
+    EXPECT_EQ(ran, 5); // splats, hits with colours and normals, outlines and their source, shading
 
     // A field alone knows nothing of primitives.
     Renderer other(*context, shader_folder);
@@ -256,6 +264,78 @@ TEST_F(SplatScenes, RunOnlyWhatIsAsked) {
     EXPECT_FALSE(pass(report, "splats").ran);
     EXPECT_FALSE(pass(report, "splat colour").ran);
     EXPECT_EQ(report.splat_bytes, 0);
+}
+
+TEST_F(SplatScenes, AreShadedAtOnceAsThroughHitsAndNormals) {
+    Scene scene{.primitives = std::make_shared<Primitives>(some_of_each(random, 12)),
+                .cut = {.planes = {{.normal = {0.3, 0.2, 1}, .offset_world = 0.4}}}};
+    for (const Projection projection : {Projection::Perspective, Projection::Orthographic})
+        for (const CutLook cut : {CutLook::Inside, CutLook::Capped})
+            for (const ShadingModel model :
+                 {ShadingModel::BlinnPhong, ShadingModel::Gooch, ShadingModel::Flat}) {
+                camera.projection = projection;
+                scene.cut.look = cut;
+                scene.look.model = model;
+                scene.look.effects.contours.strength = 0;
+                renderer.load(scene);
+                FrameReport report = renderer.draw(camera, size, size, {FrameImage::Beauty});
+                EXPECT_FALSE(pass(report, "raycast").ran);
+                const Image at_once = renderer.read(FrameImage::Beauty);
+                // An effect that reads hits and adds nothing.
+                scene.look.effects.contours.strength = 1e-30;
+                renderer.set_look(scene.look);
+                report = renderer.draw(camera, size, size, {FrameImage::Beauty});
+                EXPECT_TRUE(pass(report, "raycast").ran);
+                const Image through_hits = renderer.read(FrameImage::Beauty);
+                int covered = 0;
+                for (std::size_t i = 0; i < at_once.rgba.size(); ++i) {
+                    covered += i % 4 == 3 && at_once.rgba[i] > 0;
+                    // Colours come from halves there, and highlights amplify roundings.
+                    ASSERT_NEAR(at_once.rgba[i], through_hits.rgba[i],
+                                0x1p-10 * (1 + std::abs(through_hits.rgba[i])));
+                }
+                EXPECT_GT(covered, 5000);
+            }
+}
+
+TEST_F(SplatScenes, SticksOfTwoColoursAreTwoHalves) {
+    Primitives sticks;
+    Primitives halves;
+    for (int i = 0; i < 40; ++i) {
+        Cylinder stick = random.cylinder();
+        stick.radius_world *= 0.3;
+        stick.is_capped = false; // caps in the middle would be seen from inside
+        const Vec3d middle = (stick.a_world + stick.b_world) / 2;
+        Cylinder first = stick;
+        Cylinder second = stick;
+        first.b_world = second.a_world = middle;
+        first.colour = stick.colour = colour_of_number(2 * i);
+        second.colour = colour_of_number(2 * i + 1);
+        stick.colour_b = second.colour;
+        sticks.cylinders.push_back(stick);
+        halves.cylinders.insert(halves.cylinders.end(), {first, second});
+    }
+    sticks.spheres = {random.sphere()}; // so that numbers do not begin with sticks
+    sticks.cones = {random.cone()};     // which the same shader draws
+    sticks.spheres[0].colour = colour_of_number(80);
+    sticks.cones[0].colour = colour_of_number(81);
+    halves.spheres = sticks.spheres;
+    halves.cones = sticks.cones;
+    for (const CutLook look : {CutLook::Inside, CutLook::Capped}) {
+        const Cut cut{.look = look, .planes = {{.normal = {0.3, 0.2, 1}, .offset_world = 0.2}}};
+        renderer.load({.primitives = std::make_shared<Primitives>(sticks), .cut = cut});
+        renderer.draw(camera, size, size, {FrameImage::SplatColour});
+        const Image colours = renderer.read(FrameImage::SplatColour);
+        const std::vector<SeenPrimitive> seen = cast_primitives(halves, camera, size, size, cut);
+        std::map<int, int> pixels;
+        for (std::size_t i = 0; i < seen.size(); ++i) {
+            const int n = seen[i].number; // the sphere, the sticks, the cone
+            const int expected = n < 0 ? -1 : n == 0 ? 80 : n == 81 ? 81 : n - 1;
+            ASSERT_EQ(number_of_colour(&colours.rgba[4 * i]), expected) << i;
+            ++pixels[expected];
+        }
+        EXPECT_GT(pixels.size(), 50U);
+    }
 }
 
 TEST_F(SplatScenes, HardShadowsAreThoseOfRaysToTheLight) {

@@ -60,12 +60,11 @@ void set_equation_7(const gl::Program& program, const FrameContext& frame) {
     double near = std::numeric_limits<double>::infinity();
     double far = -near;
     const Vec3d forward = -frame.camera.view_from_world_rotation().row(2).transpose();
-    for (const std::array<Vec3d, 8>& corners : frame.seen.extents_world)
-        for (const Vec3d& corner : corners) {
-            const double depth = forward.dot(corner - frame.camera.eye_world);
-            near = std::min(near, depth);
-            far = std::max(far, depth);
-        }
+    for (const Sphere& sphere : frame.scene.primitives->spheres) {
+        const double depth = forward.dot(sphere.centre_world - frame.camera.eye_world);
+        near = std::min(near, depth - sphere.radius_world);
+        far = std::max(far, depth + sphere.radius_world);
+    }
     near = std::max(near, far / 1000);
     Eigen::Matrix4d window_from_clip = Eigen::Matrix4d::Identity(); // V
     window_from_clip.diagonal() << frame.width / 2.0, frame.height / 2.0, 0.5, 1;

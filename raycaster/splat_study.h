@@ -13,8 +13,8 @@ struct FrameContext;
 
 struct SplatStudy {
     BoundingShape shape = BoundingShape::Rectangle;
-    /// Of Sigg et al. 2006, in floats; the near plane before all, at 1/1000 of the far one at
-    /// least.
+    /// Of Sigg et al. 2006, in floats, with the near and the far plane right around all spheres, or
+    /// the near one at 1/1000 of the far one.
     bool meets_spheres_by_equation_7 = false;
     bool counts_fragments = false;
 };

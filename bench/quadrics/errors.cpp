@@ -65,15 +65,16 @@ void run_equation_7(Renderer& renderer) {
     constexpr double radius_pixels = 100;
     struct Method {
         bool is_equation_7;
-        bool is_alone; // else in a scene from half to twice its distance
+        double nearest; // sphere of its scene, by the distance; the farthest one is at twice that
     };
-    constexpr std::array methods{Method{true, true}, Method{true, false}, Method{false, false}};
+    constexpr std::array methods{Method{true, 1}, Method{true, 0.5}, Method{true, 0.01},
+                                 Method{false, 1}};
     fmt::print(
         "\nSigg et al. 2006, eq. 7 in float32: wrong pixels of a sphere {} pixels in radius, "
         "{} x {}, mean and most of {} views; planes: the near and the far one\n"
-        "{:>16} {:>20} {:>20} {:>16}\n",
-        radius_pixels, width, height, views, "radius/distance", "planes around it",
-        "from d/2 to 2 d", "ours");
+        "{:>16} {:>20} {:>20} {:>20} {:>16}\n",
+        radius_pixels, width, height, views, "radius/distance", "planes around it", "d/2 to 2 d",
+        "d/100 to 2 d", "ours");
     for (int digits = 1; digits <= 6; ++digits) {
         std::mt19937 random(4);
         std::normal_distribution<double> normal;
@@ -94,11 +95,12 @@ void run_equation_7(Renderer& renderer) {
                 cast_primitives({.spheres = {sphere}}, camera, width, height);
             for (std::size_t k = 0; k < methods.size(); ++k) {
                 Primitives scene{.spheres = {sphere}};
-                const Vec3d beside = 40 * direction.unitOrthogonal(); // the picture
-                if (!methods[k].is_alone)
-                    for (const double place : {0.5, -1.0})
+                const Vec3d beside = (40 + 0.01 * distance) * direction.unitOrthogonal();
+                if (methods[k].nearest < 1)
+                    for (const double depth : {methods[k].nearest, 2.0})
                         scene.spheres.push_back(
-                            {.centre_world = place * camera.eye_world + beside, .radius_world = 1});
+                            {.centre_world = (1 - depth) * camera.eye_world + beside,
+                             .radius_world = 1e-3 * distance});
                 renderer.load({.primitives = std::make_shared<Primitives>(scene)});
                 renderer.set_study({.meets_spheres_by_equation_7 = methods[k].is_equation_7});
                 renderer.draw(camera, width, height, {FrameImage::Splat});
@@ -113,8 +115,8 @@ void run_equation_7(Renderer& renderer) {
         const auto cell = [&](std::size_t k) {
             return fmt::format("{:.1f}, {}", double(sum[k]) / views, most[k]);
         };
-        fmt::print("{:>16.0e} {:>20} {:>20} {:>16}\n", std::pow(10, -digits), cell(0), cell(1),
-                   cell(2));
+        fmt::print("{:>16.0e} {:>20} {:>20} {:>20} {:>16}\n", std::pow(10, -digits), cell(0),
+                   cell(1), cell(2), cell(3));
         std::fflush(stdout);
     }
     renderer.set_study({});

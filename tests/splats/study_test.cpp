@@ -36,8 +36,8 @@ struct SplatStudies : testing::Test {
             2 * std::atan(half_height / camera.eye_world.norm()) * 180 / std::numbers::pi;
         const Vec3d beside = 20 * eye.unitOrthogonal(); // the picture
         load({.spheres = {{.centre_world = Vec3d::Zero(), .radius_world = 1},
-                          {.centre_world = camera.eye_world / 2 + beside, .radius_world = 1},
-                          {.centre_world = -camera.eye_world + beside, .radius_world = 1}}});
+                          {.centre_world = camera.eye_world / 2 + beside, .radius_world = 0.1},
+                          {.centre_world = -camera.eye_world + beside, .radius_world = 0.1}}});
         std::array<Image, 2> splats;
         for (const bool by_equation_7 : {false, true}) {
             renderer.set_study({.meets_spheres_by_equation_7 = by_equation_7});

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <optional>
 
 namespace isocast {
@@ -76,14 +77,14 @@ std::optional<Cylinder> thinned_out(const Cylinder& stick, std::uint64_t number,
 
 /// Where a primitive is drawn: a corner and two sides [pixels].
 struct Rectangle {
-    Eigen::Vector2d corner = Eigen::Vector2d::Zero();
-    Eigen::Vector2d side_a = Eigen::Vector2d::Zero();
-    Eigen::Vector2d side_b = Eigen::Vector2d::Zero();
+    Eigen::Vector2f corner;
+    Eigen::Vector2f side_a;
+    Eigen::Vector2f side_b;
 };
 
 /// The whole part.
 Rectangle everywhere(const SplatView& view) {
-    return {{-1, -1}, {view.width + 2.0, 0}, {0, view.height + 2.0}};
+    return {{-1, -1}, {float(view.width) + 2, 0}, {0, float(view.height) + 2}};
 }
 
 /// throws nothing; `bounds` is not Nothing
@@ -94,25 +95,24 @@ Rectangle rectangle_of(const ScreenBounds& bounds, const SplatView& view) {
     const Eigen::Vector2d hi =
         bounds.hi * view.pixels_per_unit + Eigen::Vector2d::Constant(margin_pixels);
     const Eigen::Vector2d across = bounds.other_axis();
-    const Rectangle rectangle{view.middle_pixels + bounds.axis * lo.x() + across * lo.y(),
-                              bounds.axis * (hi.x() - lo.x()), across * (hi.y() - lo.y())};
-    const double reach = std::max({lo.cwiseAbs().maxCoeff(), hi.cwiseAbs().maxCoeff(),
-                                   rectangle.corner.cwiseAbs().maxCoeff()});
-    return reach < greatest_pixels ? rectangle : everywhere(view);
+    const Eigen::Vector2d corner = view.middle_pixels + bounds.axis * lo.x() + across * lo.y();
+    const double reach = std::max(
+        {lo.cwiseAbs().maxCoeff(), hi.cwiseAbs().maxCoeff(), corner.cwiseAbs().maxCoeff()});
+    if (!(reach < greatest_pixels)) return everywhere(view);
+    return {corner.cast<float>(), (bounds.axis * (hi.x() - lo.x())).cast<float>(),
+            (across * (hi.y() - lo.y())).cast<float>()};
 }
 
 PixelBox box_of(const Rectangle& r) {
-    const Eigen::Vector2d lo = r.corner + r.side_a.cwiseMin(0) + r.side_b.cwiseMin(0);
-    const Eigen::Vector2d hi = r.corner + r.side_a.cwiseMax(0) + r.side_b.cwiseMax(0);
-    return {static_cast<float>(lo.x()), static_cast<float>(hi.x()), static_cast<float>(lo.y()),
-            static_cast<float>(hi.y())};
+    const Eigen::Vector2f lo = r.corner + r.side_a.cwiseMin(0) + r.side_b.cwiseMin(0);
+    const Eigen::Vector2f hi = r.corner + r.side_a.cwiseMax(0) + r.side_b.cwiseMax(0);
+    return {lo.x(), hi.x(), lo.y(), hi.y()};
 }
 
 Rectangle square_around(const Rectangle& r) {
-    const Eigen::Vector2d size = r.side_a.cwiseAbs() + r.side_b.cwiseAbs();
-    const double side = size.maxCoeff();
-    const Eigen::Vector2d middle = r.corner + (r.side_a + r.side_b) / 2;
-    return {middle - Eigen::Vector2d::Constant(side / 2), {side, 0}, {0, side}};
+    const float side = (r.side_a.cwiseAbs() + r.side_b.cwiseAbs()).maxCoeff();
+    const Eigen::Vector2f middle = r.corner + (r.side_a + r.side_b) / 2;
+    return {middle - Eigen::Vector2f::Constant(side / 2), {side, 0}, {0, side}};
 }
 
 FootprintView footprint_view(const SplatView& view) {
@@ -123,38 +123,48 @@ FootprintView footprint_view(const SplatView& view) {
             .pixels_per_unit = view.pixels_per_unit};
 }
 
-constexpr Footprint nothing{1, -1, 1, -1, 0, 0, 0, 0, 0};
+/// How a primitive is found in the picture. A sphere's rectangle is the box of its footprint.
+struct Outline {
+    Footprint footprint{1, -1, 1, -1, 0, 0, 0, 0, 0}; // nowhere
+    Rectangle rectangle;
+};
 
 /// Without a disc: it hides nothing.
-Footprint footprint_of(const ScreenBounds& bounds, double nearest_depth, const SplatView& view) {
-    if (bounds.extent == ScreenExtent::Nothing) return nothing;
-    const PixelBox box = box_of(rectangle_of(bounds, view));
+Outline outline_of(const ScreenBounds& bounds, double nearest_depth, const SplatView& view) {
+    Outline outline;
+    if (bounds.extent == ScreenExtent::Nothing) return outline;
+    outline.rectangle = rectangle_of(bounds, view);
+    const PixelBox box = box_of(outline.rectangle);
     const double nearest = view.space.is_perspective ? std::max(nearest_depth, 0.0) : nearest_depth;
-    return {box.x_lo, box.x_hi, box.y_lo, box.y_hi, static_cast<float>(nearest), 0, 0, 0, 0};
+    outline.footprint = {box.x_lo, box.x_hi, box.y_lo, box.y_hi, static_cast<float>(nearest),
+                         0,        0,        0,        0};
+    return outline;
 }
 
 Vec3d in_view(const PictureSpace& space, const Vec3d& p_world) {
     return space.view_from_world * (p_world - space.eye_world);
 }
 
-Footprint footprint_of(const Sphere& sphere, const SplatView& view) {
+Outline outline_of(const Sphere& sphere, const SplatView& view) {
+    Outline outline;
     const Vec3d centre_view = in_view(view.space, sphere.centre_world);
-    if (centre_view.z() - sphere.radius_world >= 0) return nothing;
-    Footprint footprint = sphere_footprint(footprint_view(view), centre_view, sphere.radius_world);
+    if (centre_view.z() - sphere.radius_world >= 0) return outline;
+    Footprint& footprint = outline.footprint;
+    footprint = sphere_footprint(footprint_view(view), centre_view, sphere.radius_world);
     // One that the plane of parallel rays' starts cuts open shows its far side.
     if (!view.space.is_perspective && footprint.nearest_depth < 0) footprint.disc_radius = 0;
-    return footprint;
+    return outline;
 }
 
 /// Of one that holds the ellipsoid of the same axes.
 ///
 /// half_depth  half its extent along the view
 template<class Primitive>
-Footprint footprint_with_disc(const Primitive& primitive, double half_depth,
-                              const SplatView& view) {
+Outline outline_with_disc(const Primitive& primitive, double half_depth, const SplatView& view) {
     const Vec3d centre_view = in_view(view.space, primitive.centre_world);
-    Footprint footprint =
-        footprint_of(screen_bounds(primitive, view.space), -centre_view.z() - half_depth, view);
+    Outline outline =
+        outline_of(screen_bounds(primitive, view.space), -centre_view.z() - half_depth, view);
+    Footprint& footprint = outline.footprint;
     // A ray that meets a ball within meets the primitive before it. The norm is not less than the
     // greatest singular value.
     const double radius = 1 / primitive.axes_world.inverse().norm();
@@ -165,58 +175,60 @@ Footprint footprint_with_disc(const Primitive& primitive, double half_depth,
         footprint.disc_radius = ball.disc_radius;
         footprint.disc_depth = ball.disc_depth;
     }
-    return footprint;
+    return outline;
 }
 
-Footprint footprint_of(const Ellipsoid& ellipsoid, const SplatView& view) {
+Outline outline_of(const Ellipsoid& ellipsoid, const SplatView& view) {
     const Vec3d depth = view.space.view_from_world.row(2).transpose();
-    return footprint_with_disc(ellipsoid, (ellipsoid.axes_world.transpose() * depth).norm(), view);
+    return outline_with_disc(ellipsoid, (ellipsoid.axes_world.transpose() * depth).norm(), view);
 }
 
 // With exponents of norms from 2 on, its norm is at most that of the ball.
-Footprint footprint_of(const Superquadric& superquadric, const SplatView& view) {
+Outline outline_of(const Superquadric& superquadric, const SplatView& view) {
     const Vec3d depth = view.space.view_from_world.row(2).transpose();
-    return footprint_with_disc(superquadric, support(superquadric, depth), view);
+    return outline_with_disc(superquadric, support(superquadric, depth), view);
 }
 
-Footprint footprint_between(const Vec3d& a_world, const Vec3d& b_world, double radius_a,
-                            double radius_b, const ScreenBounds& bounds, const SplatView& view) {
+Outline outline_between(const Vec3d& a_world, const Vec3d& b_world, double radius_a,
+                        double radius_b, const ScreenBounds& bounds, const SplatView& view) {
     const double axis_z =
         view.space.view_from_world.row(2).dot((b_world - a_world).stableNormalized());
     const double tilt = std::sqrt(std::max(0.0, 1 - axis_z * axis_z)); // of the discs at the ends
     const double nearest = std::min(-in_view(view.space, a_world).z() - radius_a * tilt,
                                     -in_view(view.space, b_world).z() - radius_b * tilt);
-    return footprint_of(bounds, nearest, view);
+    return outline_of(bounds, nearest, view);
 }
 
-Footprint footprint_of(const Cylinder& c, const SplatView& view) {
-    return footprint_between(c.a_world, c.b_world, c.radius_world, c.radius_world,
-                             screen_bounds(c, view.space), view);
+Outline outline_of(const Cylinder& c, const SplatView& view) {
+    const bool is_upright = view.shape != BoundingShape::Rectangle;
+    return outline_between(c.a_world, c.b_world, c.radius_world, c.radius_world,
+                           screen_bounds(c, view.space, is_upright), view);
 }
 
-Footprint footprint_of(const Cone& c, const SplatView& view) {
-    return footprint_between(c.a_world, c.b_world, c.radius_a_world, c.radius_b_world,
-                             screen_bounds(c, view.space), view);
+Outline outline_of(const Cone& c, const SplatView& view) {
+    const bool is_upright = view.shape != BoundingShape::Rectangle;
+    return outline_between(c.a_world, c.b_world, c.radius_a_world, c.radius_b_world,
+                           screen_bounds(c, view.space, is_upright), view);
 }
 
-Footprint footprint_of(const ClippedQuadric& quadric, const SplatView& view) {
+Outline outline_of(const ClippedQuadric& quadric, const SplatView& view) {
     const double half_depth =
         (quadric.axes_world.transpose() * view.space.view_from_world.row(2).transpose())
             .cwiseAbs()
             .sum();
-    return footprint_of(screen_bounds(quadric, view.space),
-                        -in_view(view.space, quadric.centre_world).z() - half_depth, view);
+    return outline_of(screen_bounds(quadric, view.space),
+                      -in_view(view.space, quadric.centre_world).z() - half_depth, view);
 }
 
 /// The same of what the planes leave. What is cut hides nothing.
 template<class Primitive>
-Footprint footprint_behind_planes(const Primitive& primitive, const SplatView& view) {
-    if (is_cut_away(primitive, view.planes)) return nothing;
-    Footprint footprint = footprint_of(primitive, view);
+Outline outline_behind_planes(const Primitive& primitive, const SplatView& view) {
+    if (is_cut_away(primitive, view.planes)) return {};
+    Outline outline = outline_of(primitive, view);
     for (const CutPlane& plane : view.planes)
         if (reach_along(primitive, plane.normal).greatest > plane.offset_world)
-            footprint.disc_radius = 0;
-    return footprint;
+            outline.footprint.disc_radius = 0;
+    return outline;
 }
 
 /// A splat's floats, one after the other.
@@ -240,34 +252,20 @@ PixelBox drawn_box(const Footprint& f, const VisibleFootprint& seen, BoundingSha
 }
 
 Rectangle rectangle_of(const PixelBox& box) {
-    return {{box.x_lo - margin_pixels, box.y_lo - margin_pixels},
-            {box.x_hi - box.x_lo + 2 * margin_pixels, 0},
-            {0, box.y_hi - box.y_lo + 2 * margin_pixels}};
+    constexpr auto margin = static_cast<float>(margin_pixels);
+    return {{box.x_lo - margin, box.y_lo - margin},
+            {box.x_hi - box.x_lo + 2 * margin, 0},
+            {0, box.y_hi - box.y_lo + 2 * margin}};
 }
 
-void write_place(const Sphere&, double, const SplatView& view, const PixelBox& box, float* to) {
-    Rectangle r = rectangle_of(box);
-    if (view.shape == BoundingShape::Square) r = square_around(r);
-    Record(to).put({r.corner.x(), r.corner.y(), r.side_a.x(), r.side_b.y()});
-}
-
-template<class Primitive>
-void write_place(const Primitive& primitive, double number, const SplatView& view,
-                 const PixelBox& box, float* to) {
-    ScreenBounds bounds;
-    if constexpr (splat_kind<Primitive> == SplatKind::Cone)
-        bounds = screen_bounds(primitive, view.space, view.shape != BoundingShape::Rectangle);
-    else
-        bounds = screen_bounds(primitive, view.space);
-    Rectangle r = rectangle_of(bounds, view);
+/// r  of the whole primitive; none of a sphere
+Rectangle drawn_rectangle(const PixelBox& box, const Rectangle* r, BoundingShape shape) {
     const Rectangle upright = rectangle_of(box);
-    if (view.shape == BoundingShape::Rectangle &&
-        upright.side_a.x() * upright.side_b.y() < r.side_a.norm() * r.side_b.norm())
-        r = upright;
-    if (view.shape == BoundingShape::Square) r = square_around(r);
-    Record record(to);
-    record.put({r.corner.x(), r.corner.y(), r.side_a.x(), r.side_a.y()});
-    record.put({r.side_b.x(), r.side_b.y(), number, 0});
+    if (r == nullptr) return shape == BoundingShape::Square ? square_around(upright) : upright;
+    if (shape == BoundingShape::Square) return square_around(*r);
+    const bool is_smaller =
+        upright.side_a.x() * upright.side_b.y() < r->side_a.norm() * r->side_b.norm();
+    return shape == BoundingShape::Rectangle && is_smaller ? upright : *r;
 }
 
 } // namespace
@@ -338,15 +336,20 @@ Primitives with_dots_as_spheres(Primitives primitives, const PictureSpace& space
 }
 
 Splats splats_of(const Primitives& primitives, const SplatView& view) {
-    std::vector<Footprint> footprints(primitives.solid_count());
-    in_parallel(footprints.size(), [&](std::size_t i) {
+    const std::size_t count = primitives.solid_count();
+    const auto footprints = std::make_unique_for_overwrite<Footprint[]>(count);
+    const std::size_t sphere_count = primitives.spheres.size(); // which come first
+    const auto rectangles = std::make_unique_for_overwrite<Rectangle[]>(count - sphere_count);
+    in_parallel(count, [&](std::size_t i) {
         visit_solid(primitives, i, [&](const auto& primitive) {
             const auto drawn = thinned_out(primitive, i, view);
-            footprints[i] = drawn ? footprint_behind_planes(*drawn, view) : nothing;
+            const Outline outline = drawn ? outline_behind_planes(*drawn, view) : Outline{};
+            footprints[i] = outline.footprint;
+            if (i >= sphere_count) rectangles[i - sphere_count] = outline.rectangle;
         });
     });
     const std::vector<VisibleFootprint> visible =
-        visible_footprints(footprints, view.width, view.height);
+        visible_footprints({footprints.get(), count}, view.width, view.height);
 
     Splats out;
     std::array<std::vector<VisibleFootprint>, splat_kind_count> of_kind;
@@ -354,26 +357,35 @@ Splats splats_of(const Primitives& primitives, const SplatView& view) {
         visit_solid(primitives, seen.number, [&](const auto& primitive) {
             of_kind[static_cast<std::size_t>(splat_kind_of(primitive))].push_back(seen);
         });
+    out.boxes.resize(visible.size());
+    PixelBox* box_of_slot = out.boxes.data();
     for (std::size_t k = 0; k < of_kind.size(); ++k) {
         const auto floats = static_cast<std::size_t>(splat_floats[k]);
         out.records[k].resize(floats * of_kind[k].size());
         in_parallel(of_kind[k].size(), [&](std::size_t slot) {
             const VisibleFootprint& seen = of_kind[k][slot];
             const std::uint32_t i = seen.number;
+            const bool is_sphere = i < sphere_count;
+            const PixelBox box = drawn_box(footprints[i], seen, view.shape);
+            box_of_slot[slot] = box;
+            const Rectangle r = drawn_rectangle(
+                box, is_sphere ? nullptr : &rectangles[i - sphere_count], view.shape);
+            float* to = out.records[k].data() + floats * slot;
+            if (is_sphere)
+                Record(to).put({r.corner.x(), r.corner.y(), r.side_a.x(), r.side_b.y()});
+            else
+                Record(to).put({r.corner.x(), r.corner.y(), r.side_a.x(), r.side_a.y(),
+                                r.side_b.x(), r.side_b.y(), double(i), 0});
             visit_solid(primitives, i, [&](const auto& primitive) {
                 const auto drawn = *thinned_out(primitive, i, view);
-                float* to = out.records[k].data() + floats * slot;
-                write_place(drawn, i, view, drawn_box(footprints[i], seen, view.shape), to);
                 to += place_floats(splat_kind_of(drawn));
                 put_body(drawn, view.space, to);
                 if constexpr (std::is_same_v<std::decay_t<decltype(primitive)>, Sphere>)
                     to[1] = static_cast<float>(i);
             });
         });
+        box_of_slot += of_kind[k].size();
     }
-    out.boxes.reserve(visible.size());
-    for (const VisibleFootprint& seen : visible)
-        out.boxes.push_back(drawn_box(footprints[seen.number], seen, view.shape));
     for (std::size_t m = 0, number = 0; m < primitives.meshes.size(); ++m) {
         append_splats(primitives.meshes[m], {primitives.solid_count() + m, number}, view, out);
         number += primitives.meshes[m].triangles.size();

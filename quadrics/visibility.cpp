@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "quadrics/visibility.h"
 
-#include <tbb/parallel_for.h>
+#include "quadrics/in_parallel.h"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numeric>
 
 namespace isocast {
@@ -217,6 +218,9 @@ std::vector<std::uint32_t> front_to_back(std::span<const Footprint> footprints, 
 std::vector<VisibleFootprint> visible_footprints(std::span<const Footprint> footprints, int width,
                                                  int height) {
     const std::vector<std::uint32_t> order = front_to_back(footprints, width, height);
+    // In order, so that what follows goes through memory as it lies.
+    const auto sorted = std::make_unique_for_overwrite<Footprint[]>(order.size());
+    in_parallel(order.size(), [&](std::size_t place) { sorted[place] = footprints[order[place]]; });
     const int strips = (height + tile * strip_tiles - 1) / (tile * strip_tiles);
     struct Part {
         std::uint32_t place;
@@ -228,7 +232,7 @@ std::vector<VisibleFootprint> visible_footprints(std::span<const Footprint> foot
         return std::clamp(static_cast<int>(std::floor(y / (tile * strip_tiles))), 0, strips - 1);
     };
     for (std::uint32_t place = 0; place < order.size(); ++place) {
-        const Footprint& f = footprints[order[place]];
+        const Footprint& f = sorted[place];
         const int last = strip_of(f.y_hi + margin_pixels);
         for (int strip = strip_of(f.y_lo - margin_pixels); strip <= last; ++strip)
             of_strip[static_cast<std::size_t>(strip)].push_back({place, {}});
@@ -236,7 +240,7 @@ std::vector<VisibleFootprint> visible_footprints(std::span<const Footprint> foot
     tbb::parallel_for(0, strips, [&](int strip) {
         Strip picture(width, height, strip * strip_tiles);
         for (Part& part : of_strip[static_cast<std::size_t>(strip)])
-            part.seen = picture.seen_of(footprints[order[part.place]]);
+            part.seen = picture.seen_of(sorted[part.place]);
     });
     std::vector<TileBox> seen(order.size());
     for (const std::vector<Part>& parts : of_strip)

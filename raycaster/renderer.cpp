@@ -35,6 +35,11 @@ bool have_half_colours(const Primitives& primitives) {
                                [](const Cylinder& stick) { return stick.colour_b.has_value(); });
 }
 
+bool are_sticks(const Primitives& primitives) {
+    return primitives.cones.empty() &&
+           std::ranges::none_of(primitives.cylinders, &Cylinder::is_capped);
+}
+
 /// How far the colours of halves lie behind those of the sticks.
 int to_half_colours(const Primitives& primitives) {
     return static_cast<int>(primitives.solid_count() + primitives.meshes.size() -
@@ -176,6 +181,8 @@ void Renderer::load(Scene scene, const Progress& progress) {
             triangle_normals_ = {std::as_bytes(std::span(normals)), gl::Format::Rgba32f,
                                  "normals of triangles"};
         primitives_box_ = box_of(*scene_.primitives);
+        have_half_colours_ = have_half_colours(some);
+        are_sticks_ = are_sticks(some);
     }
     look_textures_ = {};
     look_numbers_ = {};
@@ -274,8 +281,8 @@ SeenScene Renderer::seen_by(const Camera& camera, int width, int height, const P
     if (has_primitives(scene_)) {
         seen.splats.emplace(*primitives_, cut_planes_, camera, width, height, part, detail_pixels,
                             study_);
-        if (have_half_colours(*primitives_))
-            seen.splats->to_half_colours = to_half_colours(*primitives_);
+        seen.splats->are_sticks = are_sticks_;
+        if (have_half_colours_) seen.splats->to_half_colours = to_half_colours(*primitives_);
         if (triangle_normals_.buffer.byte_count() > 0)
             seen.splats->triangle_normals = &triangle_normals_;
         seen.extents_world.push_back(corners_of(primitives_box_));

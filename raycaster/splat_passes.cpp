@@ -107,6 +107,7 @@ gl::ProgramKey splat_program(SplatKind kind, bool is_perspective, const CutKind&
                     {"OUTPUT", std::to_string(static_cast<int>(output))},
                     {"HAS_NORMALS", reads_normals ? "1" : "0"},
                     {"BY_EQUATION_7", "0"},
+                    {"ARE_STICKS", "0"},
                     {"IS_PERSPECTIVE", is_perspective ? "1" : "0"}};
     add_cut_defines(defines, cut);
     return {{"quadrics/splat.vert", "quadrics/splat.frag"}, std::move(defines)};
@@ -133,6 +134,8 @@ void draw_splats(
         if (frame.seen.splats->study.meets_spheres_by_equation_7 &&
             of_kind.kind == SplatKind::Sphere)
             key.defines["BY_EQUATION_7"] = std::to_string(1);
+        if (frame.seen.splats->are_sticks && of_kind.kind == SplatKind::Cone)
+            key.defines["ARE_STICKS"] = std::to_string(1);
         const gl::Program& program = frame.shaders.program(key);
         set_ray_uniforms(program, frame);
         if (program.has("u_view_from_window")) set_equation_7(program, frame);
@@ -289,6 +292,9 @@ std::vector<gl::ProgramKey> splat_programs() {
                 keys.push_back(splat_program(kind, is_perspective, {}, output));
                 for (const CutLook look : {CutLook::Inside, CutLook::Flat, CutLook::Capped})
                     keys.push_back(splat_program(kind, is_perspective, {2, look}, output, true));
+                if (kind != SplatKind::Cone) continue;
+                keys.push_back(splat_program(kind, is_perspective, {}, output));
+                keys.back().defines["ARE_STICKS"] = std::to_string(1);
             }
         }
         for (const CutLook look : {CutLook::Inside, CutLook::Flat, CutLook::Capped})

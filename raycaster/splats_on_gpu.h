@@ -40,6 +40,7 @@ struct SplatsOnGpu {
     std::int64_t byte_count = 0;
     const NumbersOnGpu* triangle_normals = nullptr; // of all corners, if any mesh has normals
     int to_half_colours = 0; // from a stick's colour to that of its half at b, if any has two
+    bool are_sticks = false; // of SplatKind::Cone all are open cylinders
 };
 
 } // namespace isocast

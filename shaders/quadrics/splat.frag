@@ -66,6 +66,11 @@ void main() {
     const int kind = ball;
 #elif KIND == 2
     Quadric quadric = cone_of(v_splat[0], v_splat[1], v_splat[2], start);
+#if ARE_STICKS // open cylinders alone: most of the code goes
+    quadric.radius_middle = 1.0;
+    quadric.radius_slope = 0.0;
+    quadric.has_cap = bvec2(false);
+#endif
     const int kind = cone;
 #else
     Quadric quadric = general_of(v_splat[0], v_splat[1], v_splat[2], v_splat[3], v_splat[4], v_splat[5],

@@ -10,10 +10,6 @@ uniform vec2 u_clip_from_pixel;                      // 2 / size of the part, pe
 #if OUTPUT == 0
 uniform int u_first_slot;
 #endif
-// Squared [pixel^4]. Measured: setting up a second triangle takes longer than the pixels of one
-// twice as large.
-const float small_area = 64.0 * 64.0;
-
 // With a number in a free place: of the splat + 1, or of its colour.
 flat out vec4 v_splat[FLOATS4 - PLACE4];
 #if OUTPUT >= 2
@@ -37,10 +33,6 @@ void main() {
     vec4 first = texelFetch(t_records, FLOATS4 * splat);
     vec2 side_a = KIND == 0 ? vec2(first.z, 0.0) : first.zw;
     vec2 side_b = KIND == 0 ? vec2(0.0, first.w) : texelFetch(t_records, FLOATS4 * splat + 1).xy;
-#if VERTICES == 6
-    if (dot(side_a, side_a) * dot(side_b, side_b) < small_area)
-        side = gl_VertexID % 6 < 3 ? 2.0 * side : vec2(0.0);
-#endif
     for (int i = PLACE4; i < FLOATS4; ++i) v_splat[i - PLACE4] = texelFetch(t_records, FLOATS4 * splat + i);
 #if OUTPUT == 0
     float number = float(u_first_slot + splat + 1);

@@ -55,7 +55,7 @@ std::vector<Layer> live_layers(const FrameContext& frame) {
 
 /// Primitives alone, of which nothing else reads hits, normals and colours.
 bool shades_splats(const FrameContext& frame) {
-    return frame.seen.objects.empty() &&
+    return frame.seen.splats && frame.seen.objects.empty() &&
            std::ranges::all_of(live_layers(frame), [](const Layer& layer) {
                return layer.image == FrameImage::SplatColour;
            });

@@ -77,9 +77,9 @@ std::optional<Cylinder> thinned_out(const Cylinder& stick, std::uint64_t number,
 
 /// Where a primitive is drawn: a corner and two sides [pixels].
 struct Rectangle {
-    Eigen::Vector2f corner;
-    Eigen::Vector2f side_a;
-    Eigen::Vector2f side_b;
+    Eigen::Vector2f corner = Eigen::Vector2f::Zero();
+    Eigen::Vector2f side_a = Eigen::Vector2f::Zero();
+    Eigen::Vector2f side_b = Eigen::Vector2f::Zero();
 };
 
 /// The whole part.

@@ -118,6 +118,7 @@ MoleculePrimitives primitives_of(const Molecule& molecule, const MoleculeLook& l
         const double ball =
             std::min(primitives.spheres[i].radius_world, primitives.spheres[j].radius_world);
         const double hidden = std::sqrt(std::max(ball * ball - radius * radius, 0.0)) - 0.01 * ball;
+        // Of balls that meet nothing of it shows: 0.49 leaves a stick of some length all the same.
         const Vec3d end = look.ends_sticks_in_balls
                               ? Vec3d(std::clamp(hidden / (b - a).norm(), 0.0, 0.49) * (b - a))
                               : Vec3d::Zero();

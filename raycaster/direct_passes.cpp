@@ -59,7 +59,7 @@ void run_direct(FrameContext& frame) {
     const Shadow shadow = strength > 0 ? casting_light(look)->shadow : Shadow::None;
     Eigen::Vector4f background = Eigen::Vector4f::Zero();
     background.head<3>() = look.background.cast<float>();
-    frame.splat_colours->texture.bind_to_unit(4);
+    frame.seen.splats->of_scene->colours.texture.bind_to_unit(4);
     draw_nearest_splats(
         frame, FrameImage::Beauty, background,
         [&](SplatKind kind) {

@@ -115,9 +115,8 @@ struct FrameContext {
     std::function<std::array<Vec3d, 8>()> surface_box_world = {}; // as Renderer's
     /// The scene as another camera sees it.
     std::function<SeenScene(const Camera& camera, int width, int height)> see = {};
-    const NumbersOnGpu* splat_colours = nullptr; // by primitive, if the scene has some
-    const Primitives* primitives = nullptr;      // these, with spheres for dots
-    std::shared_ptr<OwnFrame> overview = {};     // the whole picture in small, once it is asked for
+    const Primitives* primitives = nullptr;  // these, with spheres for dots
+    std::shared_ptr<OwnFrame> overview = {}; // the whole picture in small, once it is asked for
 
     const FieldObject& object() const { return one->object; }
     FieldOnGpu& field() const { return one->field; }

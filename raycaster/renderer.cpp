@@ -30,53 +30,6 @@ bool has_primitives(const Scene& scene) {
     return scene.primitives && scene.primitives->count() > 0;
 }
 
-bool have_half_colours(const Primitives& primitives) {
-    return std::ranges::any_of(primitives.cylinders,
-                               [](const Cylinder& stick) { return stick.colour_b.has_value(); });
-}
-
-bool are_sticks(const Primitives& primitives) {
-    return primitives.cones.empty() &&
-           std::ranges::none_of(primitives.cylinders, &Cylinder::is_capped);
-}
-
-/// How far the colours of halves lie behind those of the sticks.
-int to_half_colours(const Primitives& primitives) {
-    return static_cast<int>(primitives.solid_count() + primitives.meshes.size() -
-                            primitives.spheres.size() - primitives.ellipsoids.size());
-}
-
-/// By the numbers of splats_of(), and then, if any stick has two, of the halves at b of cylinders
-/// and cones.
-std::vector<Eigen::Vector4f> colours_of(const Primitives& primitives) {
-    std::vector<Eigen::Vector4f> colours;
-    const auto add = [&](const Vec3d& colour) {
-        colours.emplace_back(float(colour.x()), float(colour.y()), float(colour.z()), 1.0F);
-    };
-    for_each_kind(primitives, [&](const auto& some) {
-        for (const auto& one : some) add(one.colour);
-    });
-    for (const TriangleMesh& mesh : primitives.meshes) add(mesh.colour);
-    if (!have_half_colours(primitives)) return colours;
-    for (const Cylinder& stick : primitives.cylinders) add(stick.colour_b.value_or(stick.colour));
-    for (const Cone& cone : primitives.cones) add(cone.colour);
-    return colours;
-}
-
-/// Three a triangle; none unless a mesh has some.
-std::vector<Eigen::Vector4f> normals_of(const Primitives& primitives) {
-    std::vector<Eigen::Vector4f> normals;
-    if (std::ranges::all_of(primitives.meshes,
-                            [](const TriangleMesh& mesh) { return mesh.normals_world.empty(); }))
-        return normals;
-    normals.reserve(3 * primitives.triangle_count());
-    for (const TriangleMesh& mesh : primitives.meshes)
-        for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-            for (const Eigen::Vector3f& normal : corner_normals_of(mesh, i))
-                normals.emplace_back(normal.x(), normal.y(), normal.z(), 0.0F);
-    return normals;
-}
-
 std::array<Vec3d, 8> corners_of(const Eigen::AlignedBox3d& box) {
     std::array<Vec3d, 8> corners;
     for (int i = 0; i < 8; ++i)
@@ -167,22 +120,14 @@ void Renderer::load(Scene scene, const Progress& progress) {
     }
     objects_ = std::move(loaded);
     scene_ = std::move(scene);
-    splat_colours_ = {};
-    triangle_normals_ = {};
+    primitives_on_gpu_ = {};
     primitives_ = scene_.primitives;
     primitives_box_ = {};
     if (has_primitives(scene_)) {
         const Primitives& some = *scene_.primitives;
-        const std::vector<Eigen::Vector4f> colours =
-            some.dots.empty() ? colours_of(some) : colours_of(with_dots_as_spheres(some, {}, 1));
-        splat_colours_ = {std::as_bytes(std::span(colours)), gl::Format::Rgba32f,
-                          "colours of primitives"};
-        if (const auto normals = normals_of(*scene_.primitives); !normals.empty())
-            triangle_normals_ = {std::as_bytes(std::span(normals)), gl::Format::Rgba32f,
-                                 "normals of triangles"};
-        primitives_box_ = box_of(*scene_.primitives);
-        have_half_colours_ = have_half_colours(some);
-        are_sticks_ = are_sticks(some);
+        primitives_on_gpu_ = PrimitivesOnGpu(
+            some.dots.empty() ? some : with_dots_as_spheres(some, {}, 1)); // however large
+        primitives_box_ = box_of(some);
     }
     look_textures_ = {};
     look_numbers_ = {};
@@ -281,10 +226,7 @@ SeenScene Renderer::seen_by(const Camera& camera, int width, int height, const P
     if (has_primitives(scene_)) {
         seen.splats.emplace(*primitives_, cut_planes_, camera, width, height, part, detail_pixels,
                             study_);
-        seen.splats->are_sticks = are_sticks_;
-        if (have_half_colours_) seen.splats->to_half_colours = to_half_colours(*primitives_);
-        if (triangle_normals_.buffer.byte_count() > 0)
-            seen.splats->triangle_normals = &triangle_normals_;
+        seen.splats->of_scene = &primitives_on_gpu_;
         seen.extents_world.push_back(corners_of(primitives_box_));
         runs.push_back(seen.splats->tile_runs);
     }
@@ -329,10 +271,7 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
                        look_textures_,
                        look_numbers_,
                        part};
-    if (has_primitives(scene_)) {
-        frame.splat_colours = &splat_colours_;
-        frame.primitives = primitives_.get();
-    }
+    if (has_primitives(scene_)) frame.primitives = primitives_.get();
     const std::vector<Pass> declared = declare_passes(frame);
     const std::vector<Pass> live = live_passes(declared, wanted);
     const auto is_live = [&](FrameImage image) { return frame.live.contains(image); };
@@ -411,9 +350,7 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
         if (pass.ran) pass.milliseconds = timers.at(pass.name).milliseconds();
     report.programs_compiled = shaders_.compiled_program_count();
     for (const auto& object : objects_) report.field_bytes += object->byte_count();
-    if (seen.splats)
-        report.splat_bytes = splat_colours_.buffer.byte_count() +
-                             triangle_normals_.buffer.byte_count() + seen.splats->byte_count;
+    if (seen.splats) report.splat_bytes = primitives_on_gpu_.byte_count() + seen.splats->byte_count;
     report.scratch_bytes = frame.scratch_bytes;
     report.notes = std::move(frame.notes);
     report.look_bytes = look_textures_.byte_count();

@@ -113,13 +113,10 @@ private:
     Scene scene_;
     SplatStudy study_;
     std::vector<std::unique_ptr<LoadedObject>> objects_;
-    NumbersOnGpu splat_colours_;                   // by primitive or mesh, if the scene has some
-    NumbersOnGpu triangle_normals_;                // three a triangle, if any mesh has normals
     std::shared_ptr<const Primitives> primitives_; // of the scene, as the last picture had dots
+    PrimitivesOnGpu primitives_on_gpu_;            // of these
     std::vector<CutPlane> cut_planes_;             // of these, of the last picture's viewer
     Eigen::AlignedBox3d primitives_box_;           // of these, if there are some; else empty
-    bool have_half_colours_ = false;
-    bool are_sticks_ = false;
     std::optional<LightView> shadow_map_; // where it was drawn from, if it is that of these objects
     FrameTargets targets_;
     LookTextures look_textures_;

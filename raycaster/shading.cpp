@@ -54,11 +54,10 @@ std::vector<Layer> live_layers(const FrameContext& frame) {
 }
 
 /// Primitives alone, of which nothing else reads hits, normals and colours.
-bool shades_splats(const FrameContext& frame) {
+bool shades_splats(const FrameContext& frame, const std::vector<Layer>& layers) {
     return frame.seen.splats && frame.seen.objects.empty() &&
-           std::ranges::all_of(live_layers(frame), [](const Layer& layer) {
-               return layer.image == FrameImage::SplatColour;
-           });
+           std::ranges::all_of(
+               layers, [](const Layer& layer) { return layer.image == FrameImage::SplatColour; });
 }
 
 Eigen::Vector3f to_float(const Vec3d& v) {
@@ -96,10 +95,11 @@ const Light* casting_light(const Look& look) {
 }
 
 ImageSet shading_reads(const FrameContext& frame) {
-    if (shades_splats(frame)) return {FrameImage::SplatSurface};
+    const std::vector<Layer> layers = live_layers(frame);
+    if (shades_splats(frame, layers)) return {FrameImage::SplatSurface};
     ImageSet reads{FrameImage::Hit};
     if (frame.scene.look.model != ShadingModel::Flat) reads.insert(FrameImage::Gradient);
-    for (const Layer& layer : live_layers(frame)) reads.insert(layer.image);
+    for (const Layer& layer : layers) reads.insert(layer.image);
     return reads;
 }
 
@@ -120,8 +120,9 @@ void set_lights(const gl::Program& program, const FrameContext& frame) {
 
 void run_shading(FrameContext& frame) {
     const Look& look = frame.scene.look;
-    const bool of_splats = shades_splats(frame);
-    const std::vector<Layer> layers = of_splats ? std::vector<Layer>{} : live_layers(frame);
+    std::vector<Layer> layers = live_layers(frame);
+    const bool of_splats = shades_splats(frame, layers);
+    if (of_splats) layers.clear(); // colours come with the surfaces
     std::map<Blend, std::size_t> counts;
     for (const Layer& layer : layers) ++counts[layer.blend];
     const std::size_t owners =
@@ -131,8 +132,9 @@ void run_shading(FrameContext& frame) {
 
     if (of_splats) {
         frame.targets.texture(FrameImage::SplatSurface).bind_to_unit(0);
-        frame.splat_colours->texture.bind_to_unit(1);
-        program.set("u_to_half_colours", frame.seen.splats->to_half_colours);
+        const PrimitivesOnGpu& of_scene = *frame.seen.splats->of_scene;
+        of_scene.colours.texture.bind_to_unit(1);
+        program.set("u_to_half_colours", of_scene.to_half_colours);
         if (look.model != ShadingModel::Flat)
             program.set("u_world_from_view", world_from_view(frame));
     } else {

@@ -15,6 +15,8 @@ namespace {
 
 using Defines = std::map<std::string, std::string>;
 
+constexpr unsigned normals_unit = 12; // of shaders/quadrics/triangle_normals.glsl
+
 /// Of a splat: two triangles make a rectangle.
 constexpr int vertex_count(SplatKind kind) {
     return kind == SplatKind::Triangle ? 3 : 6;
@@ -63,6 +65,16 @@ void set_ray_uniforms(const gl::Program& program, const FrameContext& frame) {
     set_first_pixel(frame, program);
 }
 
+/// What the splats' programs need of the scene, as far as each does.
+void set_scene_uniforms(const gl::Program& program, const FrameContext& frame) {
+    const PrimitivesOnGpu& of_scene = *frame.seen.splats->of_scene;
+    if (has_normals(*frame.seen.splats))
+        of_scene.triangle_normals.texture.bind_to_unit(normals_unit);
+    if (program.has("u_to_half_colours"))
+        program.set("u_to_half_colours", of_scene.to_half_colours);
+    if (program.has("u_world_from_view")) program.set("u_world_from_view", world_from_view(frame));
+}
+
 /// Of shaders/quadrics/splats.glsl.
 void set_splat_uniforms(const gl::Program& program, const FrameContext& frame) {
     set_ray_uniforms(program, frame);
@@ -74,11 +86,7 @@ void set_splat_uniforms(const gl::Program& program, const FrameContext& frame) {
         program.set(fmt::format("u_slots[{}]", k).c_str(),
                     Eigen::Vector2i(of_kind.first_slot, of_kind.count));
     }
-    if (has_normals(*frame.seen.splats))
-        frame.seen.splats->triangle_normals->texture.bind_to_unit(first_unit + splat_kind_count);
-    if (program.has("u_to_half_colours"))
-        program.set("u_to_half_colours", frame.seen.splats->to_half_colours);
-    program.set("u_world_from_view", world_from_view(frame));
+    set_scene_uniforms(program, frame);
 }
 
 float owner_number(const FrameContext& frame) {
@@ -122,7 +130,7 @@ bool is_perspective(const FrameContext& frame) {
 }
 
 bool has_normals(const SplatsOnGpu& splats) {
-    return splats.triangle_normals != nullptr && !splats.kinds.empty() &&
+    return splats.of_scene->triangle_normals.buffer.byte_count() > 0 && !splats.kinds.empty() &&
            splats.kinds.back().kind == SplatKind::Triangle;
 }
 
@@ -134,17 +142,12 @@ void draw_splats(
         if (frame.seen.splats->study.meets_spheres_by_equation_7 &&
             of_kind.kind == SplatKind::Sphere)
             key.defines["BY_EQUATION_7"] = std::to_string(1);
-        if (frame.seen.splats->are_sticks && of_kind.kind == SplatKind::Cone)
+        if (frame.seen.splats->of_scene->are_sticks && of_kind.kind == SplatKind::Cone)
             key.defines["ARE_STICKS"] = std::to_string(1);
         const gl::Program& program = frame.shaders.program(key);
         set_ray_uniforms(program, frame);
         if (program.has("u_view_from_window")) set_equation_7(program, frame);
-        if (program.has("u_to_half_colours"))
-            program.set("u_to_half_colours", frame.seen.splats->to_half_colours);
-        if (has_normals(*frame.seen.splats))
-            frame.seen.splats->triangle_normals->texture.bind_to_unit(12);
-        if (program.has("u_world_from_view"))
-            program.set("u_world_from_view", world_from_view(frame));
+        set_scene_uniforms(program, frame);
         program.set("u_clip_from_pixel",
                     Eigen::Vector2f(2 / static_cast<float>(frame.part.width),
                                     2 / static_cast<float>(frame.part.height)));
@@ -262,7 +265,7 @@ void resolve_splats(FrameContext& frame) {
         frame.targets.texture(FrameImage::Hit).bind_to_unit(0);
         glTextureBarrier();
     }
-    if (has_colour) frame.splat_colours->texture.bind_to_unit(4);
+    if (has_colour) splats.of_scene->colours.texture.bind_to_unit(4);
     draw_on_tiles(frame, program);
 }
 

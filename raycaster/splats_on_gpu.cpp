@@ -55,7 +55,57 @@ std::vector<Eigen::Vector4i> runs_of(const std::vector<PixelBox>& boxes, const P
     });
 }
 
+bool have_half_colours(const Primitives& primitives) {
+    return std::ranges::any_of(primitives.cylinders,
+                               [](const Cylinder& stick) { return stick.colour_b.has_value(); });
+}
+
+/// By the numbers of splats_of(), and then, if any stick has two, of the halves at b of cylinders
+/// and cones.
+std::vector<Eigen::Vector4f> colours_of(const Primitives& primitives) {
+    std::vector<Eigen::Vector4f> colours;
+    const auto add = [&](const Vec3d& colour) {
+        colours.emplace_back(float(colour.x()), float(colour.y()), float(colour.z()), 1.0F);
+    };
+    for_each_kind(primitives, [&](const auto& some) {
+        for (const auto& one : some) add(one.colour);
+    });
+    for (const TriangleMesh& mesh : primitives.meshes) add(mesh.colour);
+    if (!have_half_colours(primitives)) return colours;
+    for (const Cylinder& stick : primitives.cylinders) add(stick.colour_b.value_or(stick.colour));
+    for (const Cone& cone : primitives.cones) add(cone.colour);
+    return colours;
+}
+
+/// Three a triangle; none unless a mesh has some.
+std::vector<Eigen::Vector4f> normals_of(const Primitives& primitives) {
+    std::vector<Eigen::Vector4f> normals;
+    if (std::ranges::all_of(primitives.meshes,
+                            [](const TriangleMesh& mesh) { return mesh.normals_world.empty(); }))
+        return normals;
+    normals.reserve(3 * primitives.triangle_count());
+    for (const TriangleMesh& mesh : primitives.meshes)
+        for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+            for (const Eigen::Vector3f& normal : corner_normals_of(mesh, i))
+                normals.emplace_back(normal.x(), normal.y(), normal.z(), 0.0F);
+    return normals;
+}
+
 } // namespace
+
+PrimitivesOnGpu::PrimitivesOnGpu(const Primitives& primitives)
+    : are_sticks(primitives.cones.empty() &&
+                 std::ranges::none_of(primitives.cylinders, &Cylinder::is_capped)) {
+    const std::vector<Eigen::Vector4f> all_colours = colours_of(primitives);
+    colours = {std::as_bytes(std::span(all_colours)), gl::Format::Rgba32f, "colours of primitives"};
+    if (have_half_colours(primitives)) // those of halves follow all others, from the first stick on
+        to_half_colours =
+            static_cast<int>(primitives.solid_count() + primitives.meshes.size() -
+                             primitives.spheres.size() - primitives.ellipsoids.size());
+    if (const auto normals = normals_of(primitives); !normals.empty())
+        triangle_normals = {std::as_bytes(std::span(normals)), gl::Format::Rgba32f,
+                            "normals of triangles"};
+}
 
 PictureSpace picture_space(const Camera& camera) {
     return {.eye_world = camera.eye_world,

@@ -16,6 +16,22 @@ double pixels_per_unit(const Camera& camera, int height);
 /// With unit normals, that near the viewer among them.
 std::vector<CutPlane> planes_of(const Cut& cut, const Camera& viewer);
 
+/// What a scene's primitives keep on the GPU, wherever they are seen from.
+struct PrimitivesOnGpu {
+    PrimitivesOnGpu() = default;
+    /// primitives  without dots
+    explicit PrimitivesOnGpu(const Primitives& primitives);
+
+    NumbersOnGpu colours;          // by the numbers of splats_of(); then of the halves at b
+    NumbersOnGpu triangle_normals; // of all corners, if any mesh has normals
+    int to_half_colours = 0;       // from a stick's colour to that of its half at b, if any has two
+    bool are_sticks = false;       // of SplatKind::Cone all are open cylinders
+
+    std::int64_t byte_count() const {
+        return colours.buffer.byte_count() + triangle_normals.buffer.byte_count();
+    }
+};
+
 /// The primitives that one camera can see, as shaders/quadrics take them.
 struct SplatsOnGpu {
     /// primitives  without dots
@@ -38,9 +54,7 @@ struct SplatsOnGpu {
     std::vector<CutPlane> planes;           // that cut them; with unit normals
     SplatStudy study;
     std::int64_t byte_count = 0;
-    const NumbersOnGpu* triangle_normals = nullptr; // of all corners, if any mesh has normals
-    int to_half_colours = 0; // from a stick's colour to that of its half at b, if any has two
-    bool are_sticks = false; // of SplatKind::Cone all are open cylinders
+    const PrimitivesOnGpu* of_scene = nullptr;
 };
 
 } // namespace isocast

@@ -1,5 +1,6 @@
 // Pixels of bench_quadrics that are wrong.
 // SPDX-License-Identifier: MPL-2.0
+#include "quadrics/numbered_primitives.h"
 #include "quadrics/quadrics_bench.h"
 
 #include "raycaster/primitives_reference.h"
@@ -11,47 +12,23 @@
 
 namespace isocast {
 
-namespace {
-
-/// Colours that halves hold exactly.
-Vec3d colour_of_number(int number) {
-    return {double(number & 1023), double(number >> 10 & 1023), 0};
-}
-
-} // namespace
-
 int wrong_pixels(Renderer& renderer, Primitives primitives, const Camera& camera) {
-    int number = 0;
-    for (Sphere& sphere : primitives.spheres) sphere.colour = colour_of_number(number++);
-    for (Cylinder& stick : primitives.cylinders) {
-        stick.colour = colour_of_number(number++);
-        stick.colour_b.reset();
-    }
+    number_by_colour(primitives);
     renderer.load({.primitives = std::make_shared<Primitives>(primitives)});
     renderer.draw(camera, width, height, {FrameImage::SplatColour});
     const Image drawn = renderer.read(FrameImage::SplatColour);
     const std::vector<SeenPrimitive> seen = cast_primitives(primitives, camera, width, height);
     int wrong = 0;
-    for (std::size_t i = 0; i < seen.size(); ++i) {
-        const float* rgba = &drawn.rgba[4 * i];
-        const int shown =
-            rgba[3] == 0 ? -1 : static_cast<int>(rgba[0]) + 1024 * static_cast<int>(rgba[1]);
-        wrong += shown != seen[i].number;
-    }
+    for (std::size_t i = 0; i < seen.size(); ++i)
+        wrong += number_of_colour(&drawn.rgba[4 * i]) != seen[i].number;
     return wrong;
 }
 
 void count_hard_errors(Renderer& renderer) {
     for (const double fov : {60.0, 90.0}) {
-        Camera camera{.eye_world = {0, 0, 5}, .fov_y_degrees = fov};
-        const double top = camera.half_height_at(5);
-        Primitives spheres;
-        for (const double y : {-1.0, 0.0, 1.0})
-            for (const double x : {-4.0 / 3, 0.0, 4.0 / 3})
-                spheres.spheres.push_back(
-                    {.centre_world = {x * top, y * top, 0}, .radius_world = 0.2 * top});
+        const Camera camera{.eye_world = {0, 0, 5}, .fov_y_degrees = fov};
         fmt::print("spheres at the borders and corners, fov {}: {} wrong pixels\n", fov,
-                   wrong_pixels(renderer, spheres, camera));
+                   wrong_pixels(renderer, spheres_at_borders_and_corners(camera), camera));
     }
     const Primitives cut{.spheres = {{.centre_world = {0.9, 0, 5.1}, .radius_world = 0.5},
                                      {.centre_world = {-0.8, 0.2, 4.9}, .radius_world = 0.6},

@@ -36,13 +36,7 @@ struct HardSplat : testing::Test {
 TEST_F(HardSplat, SpheresAtThePicturesBordersAndCorners) {
     for (const double fov : {60.0, 90.0, 140.0}) {
         camera.fov_y_degrees = fov;
-        const double top = camera.half_height_at(5);
-        Primitives spheres;
-        for (const double y : {-1.0, 0.0, 1.0})
-            for (const double x : {-4.0 / 3, 0.0, 4.0 / 3})
-                spheres.spheres.push_back(
-                    {.centre_world = {x * top, y * top, 0}, .radius_world = 0.2 * top});
-        expect_exact(spheres, 1024, 768);
+        expect_exact(spheres_at_borders_and_corners(camera), 1024, 768);
     }
 }
 

@@ -7,14 +7,16 @@
 namespace isocast::test {
 
 /// So many of each kind of quadric, none of which hides all others.
-inline Primitives some_quadrics(Random& random, int count) {
+///
+/// thinning  of cylinders
+inline Primitives some_quadrics(Random& random, int count, double thinning = 0.3) {
     Primitives some;
     for (int i = 0; i < count; ++i) {
         some.spheres.push_back(random.sphere());
         some.spheres.back().radius_world *= 0.3;
         some.ellipsoids.push_back(random.ellipsoid());
         some.cylinders.push_back(random.cylinder());
-        some.cylinders.back().radius_world *= 0.3;
+        some.cylinders.back().radius_world *= thinning;
         some.cones.push_back(random.cone());
         some.quadrics.push_back(random.clipped_quadric());
     }

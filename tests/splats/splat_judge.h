@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
+#include "../../bench/quadrics/numbered_primitives.h"
 #include "raycaster/primitives_reference.h"
 #include "raycaster/renderer.h"
 
@@ -13,24 +14,6 @@
 #include <vector>
 
 namespace isocast::test {
-
-/// Colours that halves hold exactly, by number.
-inline Vec3d colour_of_number(int number) {
-    return {double(number & 1023), double(number >> 10 & 1023), double(number >> 20)};
-}
-inline int number_of_colour(const float* rgba) {
-    return rgba[3] == 0 ? -1
-                        : static_cast<int>(rgba[0]) + 1024 * static_cast<int>(rgba[1]) +
-                              1024 * 1024 * static_cast<int>(rgba[2]);
-}
-
-inline void number_by_colour(Primitives& primitives) {
-    int number = 0;
-    for_each_kind(primitives, [&](auto& some) {
-        for (auto& one : some) one.colour = colour_of_number(number++);
-    });
-    for (TriangleMesh& mesh : primitives.meshes) mesh.colour = colour_of_number(number++);
-}
 
 struct Judgement {
     int wrong = 0;          // pixels that show another primitive, or one where there is none

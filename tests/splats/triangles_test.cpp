@@ -1,8 +1,8 @@
 // Triangles as they are drawn, against a double ray caster; where nothing else is said, not one
 // pixel differs.
 // SPDX-License-Identifier: MPL-2.0
-#include "../quadrics/random_primitives.h"
 #include "distance_transform/sample_meshes.h"
+#include "some_primitives.h"
 #include "splat_judge.h"
 #include "test_context.h"
 #include "volume/errors.h"
@@ -75,16 +75,9 @@ TEST_F(Triangles, AreWhatTheRaysMeetBesideQuadrics) {
                 some.meshes.push_back(
                     one_triangle(random.in_cube(1), random.in_cube(1), random.in_cube(1)));
             EXPECT_GT(expect_exact(some).seen, 5000);
-            for (int i = 0; i < 5; ++i) {
-                some.spheres.push_back(random.sphere());
-                some.spheres.back().radius_world *= 0.3;
-                some.ellipsoids.push_back(random.ellipsoid());
-                some.cylinders.push_back(random.cylinder());
-                some.cylinders.back().radius_world *= 0.2;
-                some.cones.push_back(random.cone());
-                some.quadrics.push_back(random.clipped_quadric());
-            }
-            expect_exact(some, 1e-5); // as quadrics of these kinds have it
+            Primitives with_quadrics = some_quadrics(random, 5, 0.2);
+            with_quadrics.meshes = some.meshes;
+            expect_exact(with_quadrics, 1e-5); // as quadrics of these kinds have it
         }
     }
 }

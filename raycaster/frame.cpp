@@ -184,6 +184,10 @@ RayCoefficients ray_coefficients(const Camera& camera, int width, int height,
     return ray;
 }
 
+Eigen::Matrix3f world_from_view(const FrameContext& frame) {
+    return frame.camera.view_from_world_rotation().transpose().cast<float>();
+}
+
 Mat3d world_vector_coefficients(const Camera& camera, int width, int height, double depth_world) {
     return camera.view_from_world_rotation().transpose() *
            view_vector_coefficients(camera, width, height, depth_world);

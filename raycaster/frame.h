@@ -176,6 +176,9 @@ struct RayCoefficients {
 RayCoefficients ray_coefficients(const Camera& camera, int width, int height,
                                  const GridSpace& space, const Index3& local_origin_index);
 
+/// Its rotation, of the frame's camera.
+Eigen::Matrix3f world_from_view(const FrameContext& frame);
+
 /// Columns (constant, d/dx, d/dy) of the affine map from the place in the picture, of
 /// shaders/common/pixel.glsl, to the vector in world axes from a ray's start to a point
 /// `depth_world` in front of it.

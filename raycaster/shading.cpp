@@ -2,7 +2,6 @@
 #include "raycaster/shading.h"
 
 #include "raycaster/environment.h"
-#include "raycaster/splat_passes.h"
 
 #include <fmt/format.h>
 

@@ -121,10 +121,6 @@ gl::ProgramKey splat_program(SplatKind kind, bool is_perspective, const CutKind&
     return {{"quadrics/splat.vert", "quadrics/splat.frag"}, std::move(defines)};
 }
 
-Eigen::Matrix3f world_from_view(const FrameContext& frame) {
-    return frame.camera.view_from_world_rotation().transpose().cast<float>();
-}
-
 bool is_perspective(const FrameContext& frame) {
     return frame.camera.projection == Projection::Perspective;
 }

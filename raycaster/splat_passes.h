@@ -44,7 +44,6 @@ enum class SplatOutput {
 /// has_normals  whether triangles have some at corners; of surfaces and colours
 gl::ProgramKey splat_program(SplatKind kind, bool is_perspective, const CutKind& cut,
                              SplatOutput output = SplatOutput::Number, bool has_normals = false);
-Eigen::Matrix3f world_from_view(const FrameContext& frame);
 bool is_perspective(const FrameContext& frame);
 /// Whether triangles have normals at their corners.
 bool has_normals(const SplatsOnGpu& splats);

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "raycaster/splat_passes.h"
 #include "raycaster/splats_on_gpu.h"
+#include "renderer_test_base.h"
 #include "some_primitives.h"
 #include "splat_judge.h"
-#include "test_context.h"
 #include "volume/errors.h"
 
 #include <gmock/gmock.h>
@@ -12,11 +12,7 @@
 namespace isocast::test {
 namespace {
 
-const std::filesystem::path shader_folder = std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders";
-
-struct Cuts : testing::Test {
-    std::unique_ptr<gl::Context> context = test::make_context();
-    Renderer renderer{*context, shader_folder};
+struct Cuts : RendererTest {
     Camera camera{.eye_world = {0.5, 1, 5}, .target_world = Vec3d::Zero()};
 
     FrameReport draw(const Scene& scene, const ImageSet& images, int width = 160,

@@ -3,7 +3,7 @@
 #include "../quadrics/random_primitives.h"
 #include "raycaster/renderer.h"
 #include "raycaster/splats_on_gpu.h"
-#include "test_context.h"
+#include "renderer_test_base.h"
 #include "volume/errors.h"
 
 #include <gtest/gtest.h>
@@ -13,14 +13,11 @@
 namespace isocast::test {
 namespace {
 
-const std::filesystem::path shader_folder = std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders";
 constexpr int width = 128;
 constexpr int height = 96;
 
 /// Frames of 128 x 96 pixels, seen from so far away that the unit cube is 80 of them wide.
-struct Details : testing::Test {
-    std::unique_ptr<gl::Context> context = test::make_context();
-    Renderer renderer{*context, shader_folder};
+struct Details : RendererTest {
     double distance = 40;
 
     Camera camera(double x = 0) const {

@@ -1,8 +1,8 @@
 // Primitives shaded where they are drawn, against those shaded once a pixel.
 // SPDX-License-Identifier: MPL-2.0
 #include "raycaster/renderer.h"
+#include "renderer_test_base.h"
 #include "some_primitives.h"
-#include "test_context.h"
 #include "volume/analytic_fields.h"
 #include "volume/errors.h"
 
@@ -12,13 +12,10 @@
 namespace isocast::test {
 namespace {
 
-const std::filesystem::path shader_folder = std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders";
 constexpr int width = 160;
 constexpr int height = 120;
 
-struct DirectSplats : testing::Test {
-    std::unique_ptr<gl::Context> context = test::make_context();
-    Renderer renderer{*context, shader_folder};
+struct DirectSplats : RendererTest {
     Camera camera{.eye_world = {0.8, 1.1, 5}, .target_world = Vec3d::Zero()};
 
     /// Of every kind, triangles with normals at their corners among them.

@@ -2,13 +2,11 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "../quadrics/random_primitives.h"
 #include "quadrics/splats.h"
+#include "renderer_test_base.h"
 #include "splat_judge.h"
-#include "test_context.h"
 
 namespace isocast::test {
 namespace {
-
-const std::filesystem::path shader_folder = std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders";
 
 TEST(Dot, HasAnImageWhoseLesserSemiAxisIsSoManyPixels) {
     Random random(1);
@@ -35,9 +33,7 @@ TEST(Dot, HasAnImageWhoseLesserSemiAxisIsSoManyPixels) {
     }
 }
 
-struct Dots : testing::Test {
-    std::unique_ptr<gl::Context> context = test::make_context();
-    Renderer renderer{*context, shader_folder};
+struct Dots : RendererTest {
     Camera camera{.eye_world = {0, 0, 5}, .target_world = Vec3d::Zero()};
     Random random{3};
 

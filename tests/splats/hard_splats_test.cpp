@@ -2,8 +2,8 @@
 // Pictures against a double ray caster; where nothing else is said, not one pixel differs.
 // SPDX-License-Identifier: MPL-2.0
 #include "../quadrics/random_primitives.h"
+#include "renderer_test_base.h"
 #include "splat_judge.h"
-#include "test_context.h"
 #include "volume/errors.h"
 
 #include <gmock/gmock.h>
@@ -11,11 +11,7 @@
 namespace isocast::test {
 namespace {
 
-const std::filesystem::path shader_folder = std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders";
-
-struct HardSplat : testing::Test {
-    std::unique_ptr<gl::Context> context = test::make_context();
-    Renderer renderer{*context, shader_folder};
+struct HardSplat : RendererTest {
     Camera camera{.eye_world = {0, 0, 5}, .target_world = Vec3d::Zero()};
     Random random{7};
 

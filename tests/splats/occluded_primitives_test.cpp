@@ -3,9 +3,9 @@
 #include "quadrics/primitive_tree.h"
 #include "raycaster/renderer.h"
 #include "raycaster/splats_on_gpu.h"
+#include "renderer_test_base.h"
 #include "shading/disc.h"
 #include "some_primitives.h"
-#include "test_context.h"
 #include "volume/analytic_fields.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,6 @@
 namespace isocast::test {
 namespace {
 
-const std::filesystem::path shader_folder = std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders";
 constexpr double nowhere = std::numeric_limits<double>::infinity();
 constexpr CutLook capped = CutLook::Capped;
 
@@ -72,9 +71,7 @@ bool is_blocked(const Primitives& primitives, const Ray& ray, double distance,
     return blocked;
 }
 
-struct OccludedPrimitives : testing::Test {
-    std::unique_ptr<gl::Context> context = test::make_context();
-    Renderer renderer{*context, shader_folder};
+struct OccludedPrimitives : RendererTest {
     Camera camera{.eye_world = {0.8, 1.1, 5}, .target_world = Vec3d::Zero()};
     int size = 64;
     int rays = 16;

@@ -3,20 +3,17 @@
 #include "distance_transform/sample_meshes.h"
 #include "filtering/curvature.h"
 #include "quadrics/quadric.h"
+#include "renderer_test_base.h"
 #include "some_primitives.h"
 #include "splat_judge.h"
-#include "test_context.h"
 #include "volume/analytic_fields.h"
 
 namespace isocast::test {
 namespace {
 
-const std::filesystem::path shader_folder = std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders";
 constexpr double nowhere = std::numeric_limits<double>::infinity();
 
-struct SplatScenes : testing::Test {
-    std::unique_ptr<gl::Context> context = test::make_context();
-    Renderer renderer{*context, shader_folder};
+struct SplatScenes : RendererTest {
     Camera camera{.eye_world = {0.8, 1.1, 5}, .target_world = Vec3d::Zero()};
     int size = 160;
     Random random{3};

@@ -1,17 +1,13 @@
 // Primitives as they are drawn, against a double ray caster.
 // SPDX-License-Identifier: MPL-2.0
+#include "renderer_test_base.h"
 #include "some_primitives.h"
 #include "splat_judge.h"
-#include "test_context.h"
 
 namespace isocast::test {
 namespace {
 
-const std::filesystem::path shader_folder = std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders";
-
-struct Splat : testing::Test {
-    std::unique_ptr<gl::Context> context = test::make_context();
-    Renderer renderer{*context, shader_folder};
+struct Splat : RendererTest {
     Camera camera{.eye_world = {0.3, 0.4, 6}, .target_world = Vec3d::Zero()};
 };
 

@@ -1,8 +1,8 @@
 // Earlier ways to draw splats, as benchmarks compare them.
 // SPDX-License-Identifier: MPL-2.0
 #include "raycaster/renderer.h"
+#include "renderer_test_base.h"
 #include "some_primitives.h"
-#include "test_context.h"
 
 #include <gtest/gtest.h>
 
@@ -11,14 +11,10 @@
 namespace isocast::test {
 namespace {
 
-const std::filesystem::path shader_folder = std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders";
 constexpr int width = 160;
 constexpr int height = 120;
 
-struct SplatStudies : testing::Test {
-    std::unique_ptr<gl::Context> context = test::make_context();
-    Renderer renderer{*context, shader_folder};
-
+struct SplatStudies : RendererTest {
     void load(const Primitives& some) {
         renderer.load({.primitives = std::make_shared<Primitives>(some)});
     }

@@ -4,24 +4,20 @@
 #include "../volume/temporary_folder.h"
 #include "filtering/curvature.h"
 #include "quadrics/superquadric.h"
+#include "renderer_test_base.h"
 #include "splat_judge.h"
-#include "test_context.h"
 
 #include <fstream>
 
 namespace isocast::test {
 namespace {
 
-const std::filesystem::path shader_folder = std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders";
-
 /// Of N: the shader's body is the true one, grown or shrunk by less. 8 roundings end its search,
 /// 13 are those of two powers each by logarithm and exponential, 11 those of the ray's place in
 /// local coordinates.
 constexpr double silhouette = 32 * 0x1p-23;
 
-struct SuperquadricSplat : testing::Test {
-    std::unique_ptr<gl::Context> context = test::make_context();
-    Renderer renderer{*context, shader_folder};
+struct SuperquadricSplat : RendererTest {
     Camera camera{.eye_world = {0.3, 0.4, 6}, .target_world = Vec3d::Zero()};
     Random random{5};
 

@@ -2,17 +2,15 @@
 // pixel differs.
 // SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/sample_meshes.h"
+#include "renderer_test_base.h"
 #include "some_primitives.h"
 #include "splat_judge.h"
-#include "test_context.h"
 #include "volume/errors.h"
 
 #include <gmock/gmock.h>
 
 namespace isocast::test {
 namespace {
-
-const std::filesystem::path shader_folder = std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders";
 
 TriangleMesh one_triangle(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
     return {.vertices_world = {a, b, c}, .triangles = {{0, 1, 2}}};
@@ -34,9 +32,7 @@ std::vector<TriangleMesh> apart(const TriangleMesh& mesh) {
     return out;
 }
 
-struct Triangles : testing::Test {
-    std::unique_ptr<gl::Context> context = test::make_context();
-    Renderer renderer{*context, shader_folder};
+struct Triangles : RendererTest {
     Camera camera{.eye_world = {0.3, 0.4, 6}, .target_world = Vec3d::Zero()};
     Random random{11};
 

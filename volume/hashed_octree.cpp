@@ -1,0 +1,393 @@
+// An octree without pointers.
+// SPDX-License-Identifier: MPL-2.0
+#include "volume/hashed_octree.h"
+
+#include "volume/assert.h"
+#include "volume/errors.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+namespace isocast {
+
+namespace {
+
+constexpr HashedOctree::NodeNumber no_node = std::numeric_limits<std::uint32_t>::max();
+// 0 is the root, and 1 + 8 * block + child fits 32 bits.
+constexpr std::size_t most_blocks = (std::size_t{1} << 29) - 1;
+
+/// Level and place of a cell that may be divided, that is, of level 1 and up: 5 and 3 * 19 bits.
+std::uint64_t key_of(const OctreeCell& cell) {
+    const auto field = [&](int axis) {
+        return static_cast<std::uint64_t>(cell.position[axis] >> cell.level);
+    };
+    static_assert(greatest_octree_depth - 1 <= 19);
+    return static_cast<std::uint64_t>(cell.level) << 57 | field(2) << 38 | field(1) << 19 |
+           field(0);
+}
+
+/// Which child of its parent holds a position: bits `level` of x, y, z.
+unsigned child_index(const Index3& position, int level) {
+    const auto bit = [&](int axis) { return static_cast<unsigned>(position[axis] >> level) & 1; };
+    return bit(0) | bit(1) << 1 | bit(2) << 2;
+}
+
+Index3 corner(unsigned i) {
+    return {static_cast<int>(i & 1), static_cast<int>(i >> 1 & 1), static_cast<int>(i >> 2)};
+}
+
+/// Where a block keeps the node at `place` in {0, 1, 2}^3, in edges of the children.
+std::size_t block_index(const Index3& place) {
+    return static_cast<std::size_t>(place.x() + 3 * place.y() + 9 * place.z());
+}
+
+/// Calls visit(place) for lo <= place <= hi, x fastest.
+template<class Visit>
+void for_each_place(const Index3& lo, const Index3& hi, const Visit& visit) {
+    Index3 place;
+    for (place.z() = lo.z(); place.z() <= hi.z(); ++place.z())
+        for (place.y() = lo.y(); place.y() <= hi.y(); ++place.y())
+            for (place.x() = lo.x(); place.x() <= hi.x(); ++place.x()) visit(place);
+}
+
+/// The greatest level whose cells have corners there.
+int alignment_of(const Index3& position) {
+    return std::countr_zero(static_cast<unsigned>(position.x() | position.y() | position.z()));
+}
+
+std::string text_of(const OctreeCell& cell) {
+    return fmt::format("cell ({}, {}, {}) of level {}", cell.position.x(), cell.position.y(),
+                       cell.position.z(), cell.level);
+}
+
+} // namespace
+
+OctreeCell parent_of(const OctreeCell& cell) {
+    const int parents_bits = -1 << (cell.level + 1);
+    return {cell.position.unaryExpr([&](int i) { return i & parents_bits; }), cell.level + 1};
+}
+
+OctreeCell child_of(const OctreeCell& cell, int i) {
+    return {cell.position + corner(static_cast<unsigned>(i)) * (cell.size() / 2), cell.level - 1};
+}
+
+HashedOctree::HashedOctree(int depth, OctreeFilter filter, const NodeSampler& sampler)
+    : depth_(depth), filter_(filter), components_(static_cast<std::size_t>(components_of(filter))) {
+    if (depth < 0 || depth > greatest_octree_depth)
+        throw InputError(fmt::format("an octree's depth must be 0 to {}, and is {}",
+                                     greatest_octree_depth, depth));
+    std::array<float, 8> data{};
+    for (unsigned i = 0; i < 8; ++i) {
+        sampler(corner(i) * root().size(), std::span(data).first(components_));
+        add_node(std::span(data).first(components_));
+    }
+}
+
+std::size_t HashedOctree::node_count() const {
+    return nodes_.size() / components_ - free_nodes_.size();
+}
+
+std::size_t HashedOctree::memory_bytes() const {
+    return table_.memory_bytes() + blocks_.capacity() * sizeof(Block) +
+           nodes_.capacity() * sizeof(float) + constrained_.capacity() / 8 +
+           free_blocks_.capacity() * sizeof(std::uint32_t) +
+           free_nodes_.capacity() * sizeof(NodeNumber);
+}
+
+/// True for a place and a size that the tree could have.
+bool HashedOctree::is_in_range(const OctreeCell& cell) const {
+    if (cell.level < 0 || cell.level > depth_) return false;
+    const auto bits =
+        static_cast<unsigned>(cell.position.x() | cell.position.y() | cell.position.z());
+    return bits >> depth_ == 0 && (bits & (static_cast<unsigned>(cell.size()) - 1)) == 0;
+}
+
+/// Of a cell that is in range; null unless it is there and divided.
+const OctreeTable::Entry* HashedOctree::entry_of(const OctreeCell& cell) const {
+    return cell.level == 0 ? nullptr : table_.find(key_of(cell));
+}
+
+std::optional<HashedOctree::CellNumber> HashedOctree::find(const OctreeCell& cell) const {
+    if (!is_in_range(cell)) return std::nullopt;
+    if (cell.level == depth_) return 0;
+    const OctreeTable::Entry* siblings = table_.find(key_of(parent_of(cell)));
+    if (!siblings) return std::nullopt;
+    return 1 + 8 * siblings->block + child_index(cell.position, cell.level);
+}
+
+bool HashedOctree::is_divided(const OctreeCell& cell) const {
+    return is_in_range(cell) && entry_of(cell);
+}
+
+/// The finest cell, there or not, that holds a point, or of those inside the one nearest to it.
+Index3 HashedOctree::finest_cell_at(const Vec3d& p_index) const {
+    const double last = root().size() - 1;
+    // In this order not-a-number becomes 0.
+    return p_index.unaryExpr([&](double x) { return std::max(0.0, std::min(x, last)); })
+        .cast<int>();
+}
+
+/// The cell of the least level >= least_level that holds a finest cell, by binary search over
+/// levels: above a divided cell all are divided.
+HashedOctree::Found HashedOctree::smallest_cell_at(const Index3& position, int least_level) const {
+    const auto cell_at = [&](int level) {
+        return OctreeCell{position.unaryExpr([&](int i) { return i >> level << level; }), level};
+    };
+    Found found = {root(), 0};
+    int low = least_level + 1; // the least divided level lies in [low, high], if there is one
+    int high = depth_;
+    while (low <= high) {
+        const int middle = (low + high) / 2;
+        const OctreeTable::Entry* entry = table_.find(key_of(cell_at(middle)));
+        if (!entry) {
+            low = middle + 1;
+            continue;
+        }
+        const unsigned child = child_index(position, middle - 1);
+        found = {cell_at(middle - 1), 1 + 8 * entry->block + child};
+        if (!(entry->divided >> child & 1)) break;
+        high = middle - 1;
+    }
+    return found;
+}
+
+OctreeCell HashedOctree::leaf_at(const Vec3d& p_index) const {
+    return smallest_cell_at(finest_cell_at(p_index), 0).cell;
+}
+
+std::optional<OctreeCell> HashedOctree::neighbour(const OctreeCell& cell, int axis,
+                                                  bool upwards) const {
+    OctreeCell beside = cell;
+    beside.position[axis] += upwards ? cell.size() : -cell.size();
+    if (!is_in_range(beside)) return std::nullopt;
+    return smallest_cell_at(beside.position, cell.level).cell;
+}
+
+std::array<HashedOctree::NodeNumber, 8> HashedOctree::nodes_of(CellNumber cell) const {
+    if (cell == 0) return {0, 1, 2, 3, 4, 5, 6, 7};
+    const Block& block = blocks_[(cell - 1) / 8];
+    const Index3 child = corner((cell - 1) % 8);
+    std::array<NodeNumber, 8> nodes;
+    for (unsigned i = 0; i < 8; ++i) nodes[i] = block[block_index(child + corner(i))];
+    return nodes;
+}
+
+/// A node was made by dividing a cell of the level above its alignment that has the node in its
+/// middle, on a face or inside an edge: of those there are one, two or four.
+HashedOctree::Surroundings HashedOctree::surroundings_of(const Index3& position) const {
+    Surroundings result;
+    const int level = alignment_of(position) + 1;
+    const auto on_axis = [&](int i) { return (i & ((1 << level) - 1)) == 0; };
+    const Index3 inside = position.unaryExpr([&](int i) { return on_axis(i) ? 0 : 1; });
+    // On an axis where it is inside, the cell's lower end is half an edge down; on another the cell
+    // is the one below or the one above.
+    for_each_place(inside - Index3::Ones(), Index3::Zero(), [&](const Index3& step) {
+        const OctreeCell cell = {position + step * (1 << level) - inside * (1 << (level - 1)),
+                                 level};
+        if (!is_in_range(cell)) return;
+        ++result.cells;
+        const OctreeTable::Entry* entry = entry_of(cell);
+        if (!entry) return;
+        ++result.divided;
+        result.node = blocks_[entry->block][block_index(inside - 2 * step)];
+    });
+    return result;
+}
+
+std::optional<HashedOctree::NodeNumber> HashedOctree::find_node(const Index3& position) const {
+    if ((position.array() < 0).any() || (position.array() > root().size()).any())
+        return std::nullopt;
+    if (alignment_of(position) >= depth_) return child_index(position, depth_);
+    return surroundings_of(position).node;
+}
+
+bool HashedOctree::is_hanging(const Index3& position) const {
+    if (alignment_of(position) >= depth_) return false; // a corner of the root
+    const Surroundings around = surroundings_of(position);
+    return around.node && around.divided < around.cells;
+}
+
+float HashedOctree::value_at(const Vec3d& p_index) const {
+    const Found leaf = smallest_cell_at(finest_cell_at(p_index), 0);
+    const std::array<NodeNumber, 8> nodes = nodes_of(leaf.number);
+    CornerData corners;
+    for (std::size_t i = 0; i < 8; ++i) corners[i] = data_of(nodes[i]).data();
+    const double size = leaf.cell.size();
+    const Vec3d t = (p_index - leaf.cell.position.cast<double>()) / size;
+    return interpolate(filter_, corners, size, t.cwiseMax(0).cwiseMin(1));
+}
+
+HashedOctree::NodeNumber HashedOctree::add_node(std::span<const float> data) {
+    if (!free_nodes_.empty()) {
+        const NodeNumber node = free_nodes_.back();
+        free_nodes_.pop_back();
+        std::ranges::copy(data, data_of(node).begin());
+        return node;
+    }
+    const std::size_t node = constrained_.size();
+    if (node >= no_node) throw ResourceError("an octree holds no more than 2^32 - 1 nodes");
+    nodes_.insert(nodes_.end(), data.begin(), data.end());
+    constrained_.push_back(false);
+    return static_cast<NodeNumber>(node);
+}
+
+void HashedOctree::divide(const OctreeCell& leaf, const NodeSampler& sampler) {
+    const std::optional<CellNumber> number = find(leaf);
+    if (!number || leaf.level == 0 || entry_of(leaf))
+        throw InputError(fmt::format("cannot divide {}: {}", text_of(leaf),
+                                     !number           ? "there is none"
+                                     : leaf.level == 0 ? "it is of the finest"
+                                                       : "it is no leaf"));
+    if (free_blocks_.empty() && blocks_.size() >= most_blocks)
+        throw ResourceError("an octree holds no more than 2^32 cells");
+
+    Block block;
+    block.fill(no_node);
+    const std::array<NodeNumber, 8> corners = nodes_of(*number);
+    for (unsigned i = 0; i < 8; ++i) block[block_index(2 * corner(i))] = corners[i];
+    // Of those between corners, the ones that divided neighbours of the same size have.
+    for_each_place(-Index3::Ones(), Index3::Ones(), [&](const Index3& step) {
+        const int axes = step.cwiseAbs().sum();
+        const OctreeCell beside = {leaf.position + step * leaf.size(), leaf.level};
+        if (axes == 0 || axes == 3 || !is_in_range(beside)) return;
+        const OctreeTable::Entry* entry = entry_of(beside);
+        if (!entry) return;
+        const Block& other = blocks_[entry->block];
+        const Index3 lo = step.unaryExpr([](int s) { return s > 0 ? 2 : 0; });
+        const Index3 hi = step.unaryExpr([](int s) { return s < 0 ? 0 : 2; });
+        for_each_place(lo, hi, [&](const Index3& place) {
+            block[block_index(place)] = other[block_index(place - 2 * step)];
+        });
+    });
+
+    // At most 19 are new. All are sampled before anything changes.
+    std::array<float, 19 * 8> data{};
+    const auto data_of_new = [&](std::size_t i) {
+        return std::span(data).subspan(i * components_, components_);
+    };
+    std::size_t count = 0;
+    for_each_place(Index3::Zero(), Index3::Constant(2), [&](const Index3& place) {
+        if (block[block_index(place)] == no_node)
+            sampler(leaf.position + place * (leaf.size() / 2), data_of_new(count++));
+    });
+    count = 0;
+    for (NodeNumber& node : block)
+        if (node == no_node) node = add_node(data_of_new(count++));
+
+    OctreeTable::Entry entry = {.key = key_of(leaf)};
+    if (free_blocks_.empty()) {
+        entry.block = static_cast<std::uint32_t>(blocks_.size());
+        blocks_.push_back(block);
+    } else {
+        entry.block = free_blocks_.back();
+        free_blocks_.pop_back();
+        blocks_[entry.block] = block;
+    }
+    table_.insert(entry);
+    if (leaf.level < depth_)
+        table_.find(key_of(parent_of(leaf)))->divided |=
+            static_cast<std::uint8_t>(1 << child_index(leaf.position, leaf.level));
+}
+
+void HashedOctree::merge(const OctreeCell& cell) {
+    const OctreeTable::Entry* entry = is_in_range(cell) ? entry_of(cell) : nullptr;
+    if (!entry || entry->divided != 0)
+        throw InputError(fmt::format("cannot merge the children of {}: {}", text_of(cell),
+                                     entry ? "one of them is divided" : "it has none"));
+    const std::uint32_t number = entry->block;
+    for_each_place(Index3::Zero(), Index3::Constant(2), [&](const Index3& place) {
+        if ((place.array() != 1).all()) return; // a corner of the cell itself
+        if (surroundings_of(cell.position + place * (cell.size() / 2)).divided > 1) return;
+        const NodeNumber node = blocks_[number][block_index(place)];
+        constrained_[node] = false;
+        free_nodes_.push_back(node);
+    });
+    free_blocks_.push_back(number);
+    table_.erase(key_of(cell));
+    if (cell.level < depth_)
+        table_.find(key_of(parent_of(cell)))->divided &=
+            static_cast<std::uint8_t>(~(1 << child_index(cell.position, cell.level)));
+}
+
+void HashedOctree::constrain_hanging_nodes(const NodeSampler& sampler) {
+    struct Node {
+        Index3 position;
+        NodeNumber number;
+    };
+    // By alignment: in the middle of an edge, in the middle of a face.
+    std::array<std::array<std::vector<Node>, 2>, greatest_octree_depth> hanging;
+    visit_nodes([&](const Index3& position, NodeNumber node) {
+        if (is_hanging(position)) {
+            const int level = alignment_of(position);
+            const unsigned inside = child_index(position, level);
+            hanging[static_cast<std::size_t>(level)][std::has_single_bit(inside) ? 0 : 1].push_back(
+                {position, node});
+        } else if (constrained_[node]) {
+            sampler(position, data_of(node));
+            constrained_[node] = false;
+        }
+    });
+    for (int level = depth_ - 1; level >= 0; --level)
+        for (const std::vector<Node>& nodes : hanging[static_cast<std::size_t>(level)])
+            for (const Node& node : nodes) {
+                // A face's middle is half way between those of two opposite edges.
+                const int axis = std::countr_zero(child_index(node.position, level));
+                const Index3 half = Index3::Unit(axis) * (1 << level);
+                const std::optional<NodeNumber> a = find_node(node.position - half);
+                const std::optional<NodeNumber> b = find_node(node.position + half);
+                ISOCAST_ASSERT(a && b, "a node hangs between others at level %d", level);
+                midpoint(filter_, data_of(*a), data_of(*b), axis, 2 << level, data_of(node.number));
+                constrained_[node.number] = true;
+            }
+}
+
+void HashedOctree::reserve(std::size_t divided_cells) {
+    table_.reserve(divided_cells);
+    blocks_.reserve(divided_cells);
+}
+
+/// Calls visit(cell, entry) for each divided cell, depth first.
+template<class Visit>
+void HashedOctree::visit_blocks(const Visit& visit) const {
+    const auto descend = [&](const auto& self, const OctreeCell& cell) -> void {
+        const OctreeTable::Entry& entry = *entry_of(cell);
+        visit(cell, entry);
+        for (int i = 0; i < 8; ++i)
+            if (entry.divided >> i & 1) self(self, child_of(cell, i));
+    };
+    if (entry_of(root())) descend(descend, root());
+}
+
+void HashedOctree::visit_cells(
+    const std::function<void(const OctreeCell&, bool is_leaf)>& visit) const {
+    const auto descend = [&](const auto& self, const OctreeCell& cell, bool is_leaf) -> void {
+        visit(cell, is_leaf);
+        if (is_leaf) return;
+        const std::uint8_t divided = entry_of(cell)->divided;
+        for (int i = 0; i < 8; ++i) self(self, child_of(cell, i), !(divided >> i & 1));
+    };
+    descend(descend, root(), !entry_of(root()));
+}
+
+void HashedOctree::visit_nodes(
+    const std::function<void(const Index3& position, NodeNumber)>& visit) const {
+    std::vector<bool> is_visited(constrained_.size());
+    for (unsigned i = 0; i < 8; ++i) {
+        visit(corner(i) * root().size(), i);
+        is_visited[i] = true;
+    }
+    visit_blocks([&](const OctreeCell& cell, const OctreeTable::Entry& entry) {
+        for_each_place(Index3::Zero(), Index3::Constant(2), [&](const Index3& place) {
+            const NodeNumber node = blocks_[entry.block][block_index(place)];
+            if (is_visited[node]) return;
+            is_visited[node] = true;
+            visit(cell.position + place * (cell.size() / 2), node);
+        });
+    });
+}
+
+} // namespace isocast

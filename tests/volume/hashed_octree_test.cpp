@@ -52,15 +52,15 @@ TEST(HashedOctree, IsAsMapsOfCellsAndNodesAreUnderRandomChanges) {
 
 TEST(HashedOctree, IsTheRootAgainOnceAllIsMerged) {
     Random random(2);
-    OctreePair pair(6);
-    for (int i = 0; i < 500; ++i) pair.change(random, 0);
-    ASSERT_GT(pair.tree.cell_count(), 2000u);
+    OctreePair pair(5);
+    for (int i = 0; i < 400; ++i) pair.change(random, 0);
+    ASSERT_GT(pair.tree.cell_count(), 1000u);
     while (pair.tree.cell_count() > 1) pair.change(random, 1);
     pair.expect_same();
     EXPECT_EQ(pair.tree.node_count(), 8u);
     // Numbers are given again: a second tree as large takes no more memory.
     const std::size_t bytes = pair.tree.memory_bytes();
-    for (int i = 0; i < 400; ++i) pair.change(random, 0);
+    for (int i = 0; i < 300; ++i) pair.change(random, 0);
     EXPECT_EQ(pair.tree.memory_bytes(), bytes);
 }
 

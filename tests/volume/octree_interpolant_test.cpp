@@ -1,0 +1,200 @@
+// Tests of what an octree holds between its nodes: continuous over cells of several sizes, and
+// exact for polynomials.
+// SPDX-License-Identifier: MPL-2.0
+#include "volume/octree_interpolant.h"
+
+#include "octree_oracle.h"
+
+namespace isocast {
+namespace {
+
+using test::corner_of;
+using test::Random;
+
+constexpr std::array filters = {OctreeFilter::Linear, OctreeFilter::Cubic};
+constexpr int depth = 6;
+// What a float is rounded by at most, as a share of it.
+constexpr double rounding = 0x1p-24;
+
+/// Noise of a position and seed: values in [-1, 1], and slopes that change as much over `reach`.
+HashedOctree::NodeSampler noise(std::uint32_t seed, double reach) {
+    return [=](const Index3& p, std::span<float> out) {
+        std::minstd_rand random(
+            seed + 0x9e3779b1u * static_cast<unsigned>(p.x() + (p.y() << 10) + (p.z() << 20)));
+        std::uniform_real_distribution<double> unit(-1, 1);
+        for (unsigned d = 0; d < out.size(); ++d)
+            out[d] = static_cast<float>(unit(random) / std::pow(reach, std::popcount(d)));
+    };
+}
+
+/// A polynomial of degree 1 or 3 in each of x, y, z, all over [0, 2^depth]; and its derivatives.
+class Polynomial {
+public:
+    Polynomial(Random& random, OctreeFilter filter) : n_(filter == OctreeFilter::Linear ? 2 : 4) {
+        for (double& c : coefficients_) c = test::random_real(random, -1, 1);
+    }
+    double at(const Vec3d& p, unsigned derivative = 0) const {
+        double sum = 0;
+        for (int k = 0; k < n_; ++k)
+            for (int j = 0; j < n_; ++j)
+                for (int i = 0; i < n_; ++i)
+                    sum += coefficients_[static_cast<std::size_t>(i + 4 * j + 16 * k)] *
+                           power(p.x(), i, derivative & 1) * power(p.y(), j, derivative & 2) *
+                           power(p.z(), k, derivative & 4);
+        return sum;
+    }
+    void operator()(const Index3& p, std::span<float> out) const {
+        for (unsigned d = 0; d < out.size(); ++d)
+            out[d] = static_cast<float>(at(p.cast<double>(), d));
+    }
+
+private:
+    static double power(double x, int n, bool derivative) {
+        const double side = 1 << depth;
+        if (!derivative) return std::pow(x / side, n);
+        return n == 0 ? 0 : n * std::pow(x / side, n - 1) / side;
+    }
+    int n_;
+    std::array<double, 64> coefficients_{};
+};
+
+/// Divides leaves and merges others at random; neighbours differ by any number of levels.
+void change(HashedOctree& tree, Random& random, const HashedOctree::NodeSampler& sampler,
+            int changes) {
+    for (int i = 0; i < changes; ++i) {
+        const OctreeCell leaf = tree.leaf_at(test::random_finest(random, depth).cast<double>());
+        if (leaf.level > 0 && test::random_int(random, 0, 3) > 0) {
+            tree.divide(leaf, sampler);
+        } else if (leaf.level < depth) {
+            bool can_merge = true;
+            for (int j = 0; j < 8; ++j) can_merge &= !tree.is_divided(child_of(parent_of(leaf), j));
+            if (can_merge) tree.merge(parent_of(leaf));
+        }
+    }
+}
+
+/// A leaf and its corners; with `along` set, derivative d takes the place of d ^ along, so that
+/// interpolate gives the slope along an axis at the cell's faces across it.
+struct LeafData {
+    LeafData(const HashedOctree& tree, const OctreeCell& cell, unsigned along) : leaf(cell) {
+        const auto nodes = tree.nodes_of(tree.find(leaf).value());
+        for (unsigned i = 0; i < 8; ++i) {
+            const auto data = tree.data_of(nodes[i]);
+            for (unsigned d = 0; d < data.size(); ++d) values[i][d] = data[d ^ along];
+            double sum = 0;
+            for (unsigned d = 0; d < data.size(); ++d)
+                sum += std::abs(values[i][d]) * std::pow(leaf.size(), std::popcount(d & ~along));
+            greatest = std::max(greatest, sum);
+        }
+    }
+    float at(OctreeFilter filter, const Vec3d& p) const {
+        CornerData corners;
+        for (unsigned i = 0; i < 8; ++i) corners[i] = values[i].data();
+        return interpolate(filter, corners, leaf.size(),
+                           (p - leaf.position.cast<double>()) / leaf.size());
+    }
+    OctreeCell leaf;
+    std::array<std::array<float, 8>, 8> values{};
+    double greatest = 0; // no value of the interpolant is larger
+};
+
+/// Jumps at random points of all faces between leaves, over what one rounding of a float may be.
+double greatest_jump(const HashedOctree& tree, Random& random, bool of_slopes) {
+    double greatest = 0;
+    tree.visit_cells([&](const OctreeCell& cell, bool is_leaf) {
+        if (!is_leaf) return;
+        for (int axis = 0; axis < 3; ++axis) {
+            const unsigned along = of_slopes ? 1u << axis : 0u;
+            const LeafData here(tree, cell, along);
+            for (int i = 0; i < 4; ++i) {
+                // Multiples of 2^-10, so that places in cells are exact; the face is the lower one.
+                Vec3d p;
+                for (int a = 0; a < 3; ++a)
+                    p[a] = cell.position[a] +
+                           test::random_int(random, 0, 1023) * 0x1p-10 * cell.size() * (a != axis);
+                if (p[axis] == 0) continue;
+                const LeafData beside(tree, tree.leaf_at(p - Vec3d::Unit(axis) / 2), along);
+                const double jump =
+                    std::abs(double{here.at(tree.filter(), p)} - beside.at(tree.filter(), p));
+                greatest = std::max(greatest,
+                                    jump / (rounding * std::max(here.greatest, beside.greatest)));
+            }
+        }
+    });
+    return greatest;
+}
+
+TEST(OctreeInterpolant, IsContinuousAcrossFacesOfCellsOfAnySizesOnceHangingNodesAreConstrained) {
+    for (const OctreeFilter filter : filters)
+        for (std::uint32_t seed = 0; seed < 10; ++seed) {
+            Random random(seed);
+            const auto sampler = noise(seed, 1 << test::random_int(random, 0, depth));
+            HashedOctree tree(depth, filter, sampler);
+            for (int i = 0; i < 3; ++i) {
+                change(tree, random, sampler, 150);
+                // Without: the test sees hanging nodes.
+                EXPECT_GT(greatest_jump(tree, random, false), 1e4);
+                tree.constrain_hanging_nodes(sampler);
+                // A level of constraints rounds once, twice in faces' middles, which come from
+                // edges'; then each side's result. Seen: 1.7 of linear, 1.2 of cubic.
+                const double most = 2 * depth + 2;
+                EXPECT_LE(greatest_jump(tree, random, false), most) << seed;
+                if (filter == OctreeFilter::Cubic) {
+                    EXPECT_LE(greatest_jump(tree, random, true), most) << seed;
+                }
+            }
+        }
+}
+
+TEST(OctreeInterpolant, HoldsSampledValuesAtEachNodeThatDoesNotHang) {
+    Random random(1);
+    const auto sampler = noise(1, 1);
+    HashedOctree tree(depth, OctreeFilter::Cubic, sampler);
+    for (int i = 0; i < 20; ++i) {
+        change(tree, random, sampler, 50);
+        tree.constrain_hanging_nodes(sampler);
+        std::size_t hanging = 0;
+        tree.visit_nodes([&](const Index3& position, HashedOctree::NodeNumber node) {
+            ASSERT_EQ(tree.is_constrained(node), tree.is_hanging(position));
+            hanging += tree.is_constrained(node);
+            std::array<float, 8> expected;
+            sampler(position, expected);
+            ASSERT_EQ(std::ranges::equal(expected, tree.data_of(node)), !tree.is_hanging(position))
+                << position.transpose();
+        });
+        EXPECT_GT(hanging, 100u);
+    }
+}
+
+TEST(OctreeInterpolant, IsThePolynomialOfItsDegree) {
+    for (const OctreeFilter filter : filters)
+        for (std::uint32_t seed = 0; seed < 10; ++seed) {
+            Random random(seed);
+            const Polynomial polynomial(random, filter);
+            HashedOctree tree(depth, filter, polynomial);
+            change(tree, random, polynomial, 200);
+            tree.constrain_hanging_nodes(polynomial);
+            for (int i = 0; i < 2000; ++i) {
+                const Vec3d p = test::random_point(random, 0, 1 << depth);
+                const LeafData leaf(tree, tree.leaf_at(p), 0);
+                // Roundings as above, and that of the samples.
+                EXPECT_NEAR(tree.value_at(p), polynomial.at(p),
+                            (2 * depth + 2) * rounding * leaf.greatest);
+            }
+        }
+}
+
+TEST(OctreeInterpolant, ContinuesBeyondTheBorderAsTheValueThere) {
+    Random random(2);
+    const Polynomial polynomial(random, OctreeFilter::Cubic);
+    HashedOctree tree(depth, OctreeFilter::Cubic, polynomial);
+    change(tree, random, polynomial, 100);
+    tree.constrain_hanging_nodes(polynomial);
+    for (int i = 0; i < 1000; ++i) {
+        const Vec3d p = test::random_point(random, -(1 << depth), 2 << depth);
+        EXPECT_EQ(tree.value_at(p), tree.value_at(p.cwiseMax(0).cwiseMin(1 << depth)));
+    }
+}
+
+} // namespace
+} // namespace isocast

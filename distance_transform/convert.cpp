@@ -10,6 +10,7 @@
 #include "distance_transform/printed_prisms.h"
 #include "distance_transform/progress_meter.h"
 #include "distance_transform/sign_check.h"
+#include "distance_transform/sign_choice.h"
 #include "distance_transform/tile_transform.h"
 #include "volume/available_memory.h"
 #include "volume/errors.h"
@@ -59,40 +60,6 @@ void require_usable(const ConvertOptions& options) {
         throw InputError("only scan conversion on the CPU finds closest points");
     if (options.scanner && options.sign == SignMethod::Unsigned)
         throw InputError("unsigned distances come from the CPU");
-}
-
-/// How signs are found, and why so.
-struct SignChoice {
-    SignMethod method;
-    std::string reason;
-    std::vector<std::string> warnings = {};
-};
-
-SignChoice chosen_sign(const MeshVerdict& verdict, SignMethod wanted) {
-    const bool has_inside = verdict.is_closed() && verdict.is_oriented();
-    if (wanted != SignMethod::Auto) {
-        SignChoice choice{wanted, "as asked"};
-        if (wanted == SignMethod::Normal && !has_inside)
-            choice.warnings.push_back(
-                fmt::format("Signs come from normals as asked, and can be wrong since the mesh is "
-                            "not closed and oriented ({}).",
-                            verdict.summary()));
-        return choice;
-    }
-    if (!verdict.is_orientable)
-        return {SignMethod::Unsigned,
-                "the surface is not orientable",
-                {"Distances carry no sign, since the surface has one side only: the result is no "
-                 "level set."}};
-    if (!has_inside)
-        return {SignMethod::Winding,
-                "the mesh is not closed",
-                {fmt::format("Signs come from the winding number, since the mesh is not closed and "
-                             "oriented ({}).",
-                             verdict.summary())}};
-    if (verdict.shells > 1)
-        return {SignMethod::Winding, fmt::format("the mesh has {} shells", verdict.shells)};
-    return {SignMethod::Normal, "the mesh is closed and oriented"};
 }
 
 /// Whether rounding to voxels has made one of two neighbouring vertices.
@@ -310,20 +277,13 @@ DenseConvertResult convert_dense(const CheckedMesh& input, const ConvertOptions&
     const auto start = Clock::now();
     const LatticeMesh lattice =
         on_lattice(input.mesh, options.voxel_size_world, options.half_width_voxels);
-    SignChoice sign = chosen_sign(input.verdict, options.sign);
+    SignChoice sign = sign_by_band(input, options.sign, options.voxel_size_world,
+                                   options.memory_bytes, progress);
     if (sign.method == SignMethod::Unsigned)
         throw InputError(
             fmt::format("a full field needs signs, and {}",
                         options.sign == SignMethod::Auto ? sign.reason : "none were asked for"));
     const bool is_closed = input.verdict.is_closed() && input.verdict.is_oriented();
-    // No band tells whether normals contradict each other, so that only a narrow one is asked.
-    if (options.sign == SignMethod::Auto && sign.method == SignMethod::Normal) {
-        ConvertOptions narrow = options;
-        narrow.half_width_voxels = 3;
-        narrow.closest = false;
-        const ConvertResult band = convert(input, narrow, progress);
-        sign = {band.sign_used, band.sign_reason, band.warnings};
-    }
     std::optional<WindingNumber> winding;
     if (sign.method == SignMethod::Winding) winding.emplace(lattice.mesh, is_closed);
     KdDenseResult dense =

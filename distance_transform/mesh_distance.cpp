@@ -1,0 +1,187 @@
+// The exact signed distance to a mesh, cube by cube.
+// SPDX-License-Identifier: MPL-2.0
+#include "distance_transform/mesh_distance.h"
+
+#include <algorithm>
+
+#include <cmath>
+#include <limits>
+
+namespace isocast {
+
+namespace {
+
+/// Height to length of triangles whose frames are not to be trusted.
+constexpr double sliver_ratio = 1e-6;
+
+constexpr std::array edge_features = {Feature::Edge01, Feature::Edge12, Feature::Edge20};
+constexpr std::array vertex_features = {Feature::Vertex0, Feature::Vertex1, Feature::Vertex2};
+
+std::vector<std::array<Vec3d, 3>> corners_of(const Mesh& mesh) {
+    std::vector<std::array<Vec3d, 3>> corners;
+    corners.reserve(mesh.triangles.size());
+    for (const auto& [a, b, c] : mesh.triangles)
+        corners.push_back({mesh.vertices_world[a], mesh.vertices_world[b], mesh.vertices_world[c]});
+    return corners;
+}
+
+/// The part of a triangle in a cube: a convex polygon of up to nine corners.
+class Polygon {
+public:
+    Polygon(const std::array<Vec3d, 3>& corners, const Cube& cube) {
+        for (const Vec3d& corner : corners) points_[count_++] = corner - cube.centre;
+        for (int axis = 0; axis < 3 && count_ > 0; ++axis)
+            for (const double side : {-1.0, 1.0}) clip(axis, side, cube.half_edge);
+    }
+    /// From the cube's centre.
+    std::span<const Vec3d> points() const { return {points_.data(), count_}; }
+
+private:
+    /// Keeps what lies within side * p[axis] <= half_edge (Sutherland & Hodgman 1974).
+    void clip(int axis, double side, double half_edge) {
+        std::array<Vec3d, 9> kept;
+        std::size_t kept_count = 0;
+        for (std::size_t i = 0; i < count_; ++i) {
+            const Vec3d& a = points_[i];
+            const Vec3d& b = points_[i + 1 < count_ ? i + 1 : 0];
+            const double beyond_a = side * a[axis] - half_edge;
+            const double beyond_b = side * b[axis] - half_edge;
+            if (beyond_a <= 0) kept[kept_count++] = a;
+            if ((beyond_a < 0 && beyond_b > 0) || (beyond_a > 0 && beyond_b < 0)) {
+                Vec3d& p = kept[kept_count++];
+                p = a + beyond_a / (beyond_a - beyond_b) * (b - a);
+                p[axis] = side * half_edge;
+            }
+        }
+        points_ = kept;
+        count_ = kept_count;
+    }
+
+    std::array<Vec3d, 9> points_;
+    std::size_t count_ = 0;
+};
+
+} // namespace
+
+MeshDistance::MeshDistance(const Mesh& mesh, const MeshTopology& topology,
+                           const WindingNumber* winding)
+    : corners_(corners_of(mesh)), tree_(corners_), normals_(mesh, topology), winding_(winding) {
+    frames_.reserve(corners_.size());
+    for (const std::array<Vec3d, 3>& corners : corners_) frames_.push_back(frame_of(corners));
+}
+
+MeshDistance::Frame MeshDistance::frame_of(const std::array<Vec3d, 3>& corners) {
+    std::size_t k = 0;
+    for (std::size_t i = 1; i < 3; ++i)
+        if ((corners[(i + 1) % 3] - corners[i]).squaredNorm() >
+            (corners[(k + 1) % 3] - corners[k]).squaredNorm())
+            k = i;
+    const Vec3d edge = corners[(k + 1) % 3] - corners[k];
+    const Vec3d to_top = corners[(k + 2) % 3] - corners[k];
+    Frame frame{.origin = corners[k], .length = edge.norm(), .first = static_cast<int>(k)};
+    frame.x = edge / frame.length;
+    frame.top_x = to_top.dot(frame.x);
+    const Vec3d up = to_top - frame.top_x * frame.x;
+    frame.top_y = up.norm();
+    if (frame.top_y < sliver_ratio * frame.length) {
+        frame.top_y = 0;
+        return frame;
+    }
+    frame.y = up / frame.top_y;
+    frame.normal = frame.x.cross(frame.y);
+    const double from_right = frame.length - frame.top_x;
+    frame.inverse_right = 1 / (from_right * from_right + frame.top_y * frame.top_y);
+    frame.inverse_left = 1 / (frame.top_x * frame.top_x + frame.top_y * frame.top_y);
+    return frame;
+}
+
+MeshDistance::Closest MeshDistance::closest_on(std::int32_t triangle, const Vec3d& p) const {
+    const Frame& frame = frames_[static_cast<std::size_t>(triangle)];
+    if (!(frame.top_y > 0)) {
+        const ClosestPoint closest = closest_point(p, corners_[static_cast<std::size_t>(triangle)]);
+        return {p - closest.p, closest.feature};
+    }
+    const Vec3d from_origin = p - frame.origin;
+    const double x = from_origin.dot(frame.x);
+    const double y = from_origin.dot(frame.y);
+    const double z = from_origin.dot(frame.normal);
+    const double right_x = x - frame.length;
+    const double edge_x = frame.top_x - frame.length;
+    if (y >= 0 && edge_x * y - right_x * frame.top_y >= 0 && x * frame.top_y - frame.top_x * y >= 0)
+        return {z * frame.normal, Feature::Face};
+    // Where the closest points of the longest edge, the right and the left one lie on them, the
+    // way round the triangle.
+    const std::array<double, 3> along = {
+        std::clamp(x / frame.length, 0.0, 1.0),
+        std::clamp((right_x * edge_x + y * frame.top_y) * frame.inverse_right, 0.0, 1.0),
+        1 - std::clamp((x * frame.top_x + y * frame.top_y) * frame.inverse_left, 0.0, 1.0)};
+    const std::array<Eigen::Vector2d, 3> offsets = {
+        {{x - along[0] * frame.length, y},
+         {right_x - along[1] * edge_x, y - along[1] * frame.top_y},
+         {x - (1 - along[2]) * frame.top_x, y - (1 - along[2]) * frame.top_y}}};
+    int edge = 0;
+    for (int k = 1; k < 3; ++k)
+        if (offsets[static_cast<std::size_t>(k)].squaredNorm() <
+            offsets[static_cast<std::size_t>(edge)].squaredNorm())
+            edge = k;
+    const Eigen::Vector2d& offset = offsets[static_cast<std::size_t>(edge)];
+    const double t = along[static_cast<std::size_t>(edge)];
+    const auto corner = static_cast<std::size_t>((frame.first + edge + (t >= 1 ? 1 : 0)) % 3);
+    const auto side = static_cast<std::size_t>((frame.first + edge) % 3);
+    return {offset.x() * frame.x + offset.y() * frame.y + z * frame.normal,
+            t > 0 && t < 1 ? edge_features[side] : vertex_features[corner]};
+}
+
+ExactDistance::Sample MeshDistance::at(const Vec3d& p, Hint& hint) const {
+    std::int32_t triangle = hint;
+    Closest closest = closest_on(triangle, p);
+    double squared_distance = closest.offset.squaredNorm();
+    tree_.visit(
+        p, [&](const Vec3d& offset) { return offset.squaredNorm() < squared_distance; },
+        [&](std::int32_t other) {
+            const Closest its_closest = closest_on(other, p);
+            const double its_squared = its_closest.offset.squaredNorm();
+            if (its_squared >= squared_distance) return;
+            closest = its_closest;
+            squared_distance = its_squared;
+            triangle = other;
+        });
+    hint = triangle;
+    const double distance = std::sqrt(squared_distance);
+    const Vec3d& normal = normals_.at(triangle, closest.feature);
+    const bool is_inside = winding_ ? winding_->is_inside(p) : closest.offset.dot(normal) < 0;
+    const double sign = is_inside ? -1 : 1;
+    if (distance > 0) return {sign * distance, sign / distance * closest.offset};
+    const double length = normal.norm();
+    return {0, length > 0 ? Vec3d(normal / length) : Vec3d::Zero()};
+}
+
+SurfaceInCube MeshDistance::surface_in(const Cube& cube, const CellFunction& g,
+                                       double tolerance) const {
+    SurfaceInCube all;
+    const auto add = [&](std::int32_t triangle) {
+        const Polygon polygon(corners_[static_cast<std::size_t>(triangle)], cube);
+        if (polygon.points().empty()) return;
+        all.is_there = true;
+        Eigen::AlignedBox3d box;
+        double greatest = 0;
+        for (const Vec3d& point : polygon.points()) {
+            box.extend(point);
+            greatest = std::max(greatest, std::abs(g.at(cube.centre + point)));
+        }
+        all.box.extend(box.translated(cube.centre));
+        // Within a triangle of corners v_k, |g - sum w_k g(v_k)| <= bend/2 sum w_k |x - v_k|^2, and
+        // that sum is at most the squared radius of a ball around it: diameter^2 / 3 (Jung).
+        all.bound =
+            std::max(all.bound, greatest + g.bounds().bend * box.diagonal().squaredNorm() / 6);
+    };
+    tree_.visit(
+        cube.centre,
+        [&](const Vec3d& offset) {
+            return all.bound <= tolerance && offset.cwiseAbs().maxCoeff() <= cube.half_edge;
+        },
+        add);
+    return all;
+}
+
+} // namespace isocast

@@ -17,6 +17,37 @@ constexpr double sliver_ratio = 1e-6;
 constexpr std::array edge_features = {Feature::Edge01, Feature::Edge12, Feature::Edge20};
 constexpr std::array vertex_features = {Feature::Vertex0, Feature::Vertex1, Feature::Vertex2};
 
+/// How often a triangle is split into four for a better bound.
+constexpr int greatest_splits = 3;
+
+/// A bound of |g| on a triangle, from the values at its corners v_k: for any x of it
+///   |g(x) - sum w_k g(v_k)| <= bend/2 sum w_k |x - v_k|^2,
+/// and that sum is at most the squared radius of a ball around it, diameter^2 / 3 (Jung).
+///
+/// corners    from `origin`
+/// tolerance  bounds above it are of no use
+double greatest_on(const std::array<Vec3d, 3>& corners, const CellFunction& g, const Vec3d& origin,
+                   double tolerance, int splits) {
+    double at_corners = 0;
+    double diameter = 0; // squared
+    for (std::size_t k = 0; k < 3; ++k) {
+        at_corners = std::max(at_corners, std::abs(g.at(origin + corners[k])));
+        diameter = std::max(diameter, (corners[k] - corners[(k + 1) % 3]).squaredNorm());
+    }
+    const double bound = at_corners + g.bounds().bend * diameter / 6;
+    if (bound <= tolerance || at_corners > tolerance || splits == 0) return bound;
+    const auto& [a, b, c] = corners;
+    const Vec3d ab = (a + b) / 2;
+    const Vec3d bc = (b + c) / 2;
+    const Vec3d ca = (c + a) / 2;
+    double greatest = 0;
+    for (const std::array<Vec3d, 3>& part :
+         {std::array{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}})
+        if (greatest <= tolerance)
+            greatest = std::max(greatest, greatest_on(part, g, origin, tolerance, splits - 1));
+    return greatest;
+}
+
 std::vector<std::array<Vec3d, 3>> corners_of(const Mesh& mesh) {
     std::vector<std::array<Vec3d, 3>> corners;
     corners.reserve(mesh.triangles.size());
@@ -163,17 +194,13 @@ SurfaceInCube MeshDistance::surface_in(const Cube& cube, const CellFunction& g,
         const Polygon polygon(corners_[static_cast<std::size_t>(triangle)], cube);
         if (polygon.points().empty()) return;
         all.is_there = true;
-        Eigen::AlignedBox3d box;
-        double greatest = 0;
-        for (const Vec3d& point : polygon.points()) {
-            box.extend(point);
-            greatest = std::max(greatest, std::abs(g.at(cube.centre + point)));
-        }
-        all.box.extend(box.translated(cube.centre));
-        // Within a triangle of corners v_k, |g - sum w_k g(v_k)| <= bend/2 sum w_k |x - v_k|^2, and
-        // that sum is at most the squared radius of a ball around it: diameter^2 / 3 (Jung).
-        all.bound =
-            std::max(all.bound, greatest + g.bounds().bend * box.diagonal().squaredNorm() / 6);
+        const std::span<const Vec3d> points = polygon.points();
+        for (const Vec3d& point : points) all.box.extend(point + cube.centre);
+        for (std::size_t i = 0; i + 2 < std::max<std::size_t>(points.size(), 3); ++i)
+            all.bound = std::max(all.bound,
+                                 greatest_on({points[0], points[std::min(i + 1, points.size() - 1)],
+                                              points[std::min(i + 2, points.size() - 1)]},
+                                             g, cube.centre, tolerance, greatest_splits));
     };
     tree_.visit(
         cube.centre,

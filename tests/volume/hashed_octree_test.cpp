@@ -34,12 +34,12 @@ TEST(OctreeTable, HoldsWhatAMapHolds) {
         const OctreeTable::Entry* entry = table.find(key);
         ASSERT_EQ(entry != nullptr, map.contains(key));
         if (entry) {
-            ASSERT_EQ(entry->block, map[key]);
+            ASSERT_EQ(entry->links, map[key]);
             table.erase(key);
             map.erase(key);
         } else {
             map[key] = static_cast<std::uint32_t>(i);
-            table.insert({.key = key, .block = map[key]});
+            table.insert({.key = key, .links = map[key]});
         }
         ASSERT_EQ(table.size(), map.size());
     }

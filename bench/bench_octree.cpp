@@ -21,16 +21,16 @@ constexpr double table_accesses = 50e6; // of the thesis's table
 /// In [0, 1]^3; never more than the distance to the surface.
 using Surface = std::function<double(const Vec3d& p)>;
 
-// Radius and period are chosen for the thesis's numbers of cells: 1,473,373 at 9 levels of its
-// second surface, 4,217,417 of its first.
+// Radius and period (1) are chosen for about the thesis's numbers of cells: 1,473,373 at 9 levels
+// of its second surface, 4,217,417 of its first.
 double sphere(const Vec3d& p) {
-    return (p - Vec3d::Constant(0.5)).norm() - 0.32;
+    return (p - Vec3d::Constant(0.5)).norm() - 0.31;
 }
 double gyroid(const Vec3d& p) {
-    const Vec3d s = (p * (2 * std::numbers::pi / 0.75)).array().sin();
-    const Vec3d c = (p * (2 * std::numbers::pi / 0.75)).array().cos();
+    const Vec3d s = (p * (2 * std::numbers::pi)).array().sin();
+    const Vec3d c = (p * (2 * std::numbers::pi)).array().cos();
     // The gradient of the sum is at most sqrt(3) long.
-    return (s.x() * c.y() + s.y() * c.z() + s.z() * c.x()) * 0.75 /
+    return (s.x() * c.y() + s.y() * c.z() + s.z() * c.x()) /
            (2 * std::numbers::pi * std::sqrt(3.0));
 }
 
@@ -101,6 +101,7 @@ struct Options {
     int greatest_depth = 11;
     int rounds = 3;
     std::size_t queries = std::size_t{1} << 24;
+    std::size_t most_cells = 30'000'000; // 9 GB with all structures
     bool is_chained = false;
 };
 
@@ -160,6 +161,7 @@ void run(const Options& options) {
     for (const auto& [name, surface] : surfaces)
         for (int depth = options.least_depth; depth <= options.greatest_depth; ++depth) {
             const HashedOctree tree = refined(depth, surface);
+            if (tree.cell_count() > options.most_cells) break;
             const Ours ours(tree);
             const auto linked = copy_of<LinkedTree>(tree);
             const auto blocks = copy_of<LinkedBlocks>(tree);
@@ -217,6 +219,7 @@ int main(int argc, char** argv) {
     app.add_option("--to", options.greatest_depth, "greatest number of levels");
     app.add_option("--rounds", options.rounds, "rounds, of which the fastest counts");
     app.add_option("--queries", options.queries, "accesses a round");
+    app.add_option("--most-cells", options.most_cells, "no trees of more cells");
     app.add_flag("--chained", options.is_chained, "each access waits for the one before");
     CLI11_PARSE(app, argc, argv);
     try {

@@ -166,8 +166,7 @@ bool HashedOctree::is_hanging(const Index3& position) const {
     return around.node && around.divided < around.cells;
 }
 
-float HashedOctree::value_at(const Vec3d& p_index) const {
-    const Found leaf = find_leaf(p_index);
+float HashedOctree::value_at(const Vec3d& p_index, const Found& leaf) const {
     const std::array<NodeNumber, 8> nodes = nodes_of(leaf.number);
     CornerData corners;
     for (std::size_t i = 0; i < 8; ++i) corners[i] = data_of(nodes[i]).data();

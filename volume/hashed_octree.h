@@ -67,6 +67,7 @@ public:
     struct Found {
         OctreeCell cell;
         CellNumber number;
+        bool operator==(const Found&) const = default;
     };
     /// The same with its number.
     Found find_leaf(const Vec3d& p_index) const;
@@ -94,7 +95,9 @@ public:
     bool is_constrained(NodeNumber node) const { return constrained_[node]; }
 
     /// The field at a point; continuous once hanging nodes are constrained.
-    float value_at(const Vec3d& p_index) const;
+    float value_at(const Vec3d& p_index) const { return value_at(p_index, find_leaf(p_index)); }
+    /// The same where the leaf is known.
+    float value_at(const Vec3d& p_index, const Found& leaf) const;
 
     // Changes.
 
@@ -162,6 +165,30 @@ private:
     // Numbers that were removed and not given again.
     std::vector<std::uint32_t> free_links_; // firsts of 27
     std::vector<NodeNumber> free_nodes_;
+};
+
+/// Leaves of points that lie close to the last one: the last leaf is tried first (3.4.2). Of points
+/// half a finest cell apart along rays it holds 19 in 20. Another cursor for each thread, and a new
+/// one after each change of the tree.
+class OctreeCursor {
+public:
+    explicit OctreeCursor(const HashedOctree& tree)
+        : tree_(&tree), leaf_(tree.find_leaf(Vec3d::Zero())) {}
+
+    /// As of the tree.
+    const HashedOctree::Found& find_leaf(const Vec3d& p_index) {
+        const OctreeCell& cell = leaf_.cell;
+        for (int axis = 0; axis < 3; ++axis) {
+            const double t = p_index[axis] - cell.position[axis];
+            if (!(t >= 0 && t < cell.size())) return leaf_ = tree_->find_leaf(p_index);
+        }
+        return leaf_;
+    }
+    float value_at(const Vec3d& p_index) { return tree_->value_at(p_index, find_leaf(p_index)); }
+
+private:
+    const HashedOctree* tree_;
+    HashedOctree::Found leaf_;
 };
 
 } // namespace isocast

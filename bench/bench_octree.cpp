@@ -103,6 +103,7 @@ struct Options {
     std::size_t queries = std::size_t{1} << 24;
     std::size_t most_cells = 30'000'000; // 9 GB with all structures
     bool is_chained = false;
+    std::string only; // of the surfaces; empty takes both
 };
 
 /// A table's row for each structure: seconds for 50 M accesses, and the ratio to ours.
@@ -158,7 +159,8 @@ void run(const Options& options) {
     fmt::print(
         "| surface | levels | cells | average level | ours | {} | {} | {} | {} | OpenVDB |\n",
         LinkedTree::name, LinkedBlocks::name, ChainedCells::name, OpenCells::name);
-    for (const auto& [name, surface] : surfaces)
+    for (const auto& [name, surface] : surfaces) {
+        if (!options.only.empty() && options.only != name) continue;
         for (int depth = options.least_depth; depth <= options.greatest_depth; ++depth) {
             const HashedOctree tree = refined(depth, surface);
             if (tree.cell_count() > options.most_cells) break;
@@ -207,6 +209,7 @@ void run(const Options& options) {
                        start, per_cell(ours), per_cell(linked), per_cell(blocks), per_cell(chained),
                        per_cell(open), per_cell(vdb));
         }
+    }
 }
 
 } // namespace
@@ -221,6 +224,8 @@ int main(int argc, char** argv) {
     app.add_option("--queries", options.queries, "accesses a round");
     app.add_option("--most-cells", options.most_cells, "no trees of more cells");
     app.add_flag("--chained", options.is_chained, "each access waits for the one before");
+    app.add_option("--only", options.only, "of the two surfaces")
+        ->check(CLI::IsMember({"sphere", "gyroid"}));
     CLI11_PARSE(app, argc, argv);
     try {
         openvdb::initialize();

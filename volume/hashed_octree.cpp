@@ -17,24 +17,7 @@ namespace isocast {
 namespace {
 
 constexpr HashedOctree::NodeNumber no_node = std::numeric_limits<std::uint32_t>::max();
-// 0 is the root, and 1 + 8 * block + child fits 32 bits.
-constexpr std::size_t most_blocks = (std::size_t{1} << 29) - 1;
-
-/// Level and place of a cell that may be divided, that is, of level 1 and up: 5 and 3 * 19 bits.
-std::uint64_t key_of(const OctreeCell& cell) {
-    const auto field = [&](int axis) {
-        return static_cast<std::uint64_t>(cell.position[axis] >> cell.level);
-    };
-    static_assert(greatest_octree_depth - 1 <= 19);
-    return static_cast<std::uint64_t>(cell.level) << 57 | field(2) << 38 | field(1) << 19 |
-           field(0);
-}
-
-/// Which child of its parent holds a position: bits `level` of x, y, z.
-unsigned child_index(const Index3& position, int level) {
-    const auto bit = [&](int axis) { return static_cast<unsigned>(position[axis] >> level) & 1; };
-    return bit(0) | bit(1) << 1 | bit(2) << 2;
-}
+constexpr std::size_t root_links = 14; // to its last corner, of 27 of eight siblings
 
 Index3 corner(unsigned i) {
     return {static_cast<int>(i & 1), static_cast<int>(i >> 1 & 1), static_cast<int>(i >> 2)};
@@ -66,24 +49,16 @@ std::string text_of(const OctreeCell& cell) {
 
 } // namespace
 
-OctreeCell parent_of(const OctreeCell& cell) {
-    const int parents_bits = -1 << (cell.level + 1);
-    return {cell.position.unaryExpr([&](int i) { return i & parents_bits; }), cell.level + 1};
-}
-
-OctreeCell child_of(const OctreeCell& cell, int i) {
-    return {cell.position + corner(static_cast<unsigned>(i)) * (cell.size() / 2), cell.level - 1};
-}
-
 HashedOctree::HashedOctree(int depth, OctreeFilter filter, const NodeSampler& sampler)
     : depth_(depth), filter_(filter), components_(static_cast<std::size_t>(components_of(filter))) {
     if (depth < 0 || depth > greatest_octree_depth)
         throw InputError(fmt::format("an octree's depth must be 0 to {}, and is {}",
                                      greatest_octree_depth, depth));
+    links_.resize(root_links);
     std::array<float, 8> data{};
     for (unsigned i = 0; i < 8; ++i) {
         sampler(corner(i) * root().size(), std::span(data).first(components_));
-        add_node(std::span(data).first(components_));
+        links_[link_offset(i)] = add_node(std::span(data).first(components_));
     }
 }
 
@@ -92,31 +67,15 @@ std::size_t HashedOctree::node_count() const {
 }
 
 std::size_t HashedOctree::memory_bytes() const {
-    return table_.memory_bytes() + blocks_.capacity() * sizeof(Block) +
+    return table_.memory_bytes() + links_.capacity() * sizeof(NodeNumber) +
            nodes_.capacity() * sizeof(float) + constrained_.capacity() / 8 +
-           free_blocks_.capacity() * sizeof(std::uint32_t) +
+           free_links_.capacity() * sizeof(std::uint32_t) +
            free_nodes_.capacity() * sizeof(NodeNumber);
-}
-
-/// True for a place and a size that the tree could have.
-bool HashedOctree::is_in_range(const OctreeCell& cell) const {
-    if (cell.level < 0 || cell.level > depth_) return false;
-    const auto bits =
-        static_cast<unsigned>(cell.position.x() | cell.position.y() | cell.position.z());
-    return bits >> depth_ == 0 && (bits & (static_cast<unsigned>(cell.size()) - 1)) == 0;
 }
 
 /// Of a cell that is in range; null unless it is there and divided.
 const OctreeTable::Entry* HashedOctree::entry_of(const OctreeCell& cell) const {
     return cell.level == 0 ? nullptr : table_.find(key_of(cell));
-}
-
-std::optional<HashedOctree::CellNumber> HashedOctree::find(const OctreeCell& cell) const {
-    if (!is_in_range(cell)) return std::nullopt;
-    if (cell.level == depth_) return 0;
-    const OctreeTable::Entry* siblings = table_.find(key_of(parent_of(cell)));
-    if (!siblings) return std::nullopt;
-    return 1 + 8 * siblings->block + child_index(cell.position, cell.level);
 }
 
 bool HashedOctree::is_divided(const OctreeCell& cell) const {
@@ -134,29 +93,28 @@ Index3 HashedOctree::finest_cell_at(const Vec3d& p_index) const {
 /// The cell of the least level >= least_level that holds a finest cell, by binary search over
 /// levels: above a divided cell all are divided.
 HashedOctree::Found HashedOctree::smallest_cell_at(const Index3& position, int least_level) const {
-    const auto cell_at = [&](int level) {
-        return OctreeCell{position.unaryExpr([&](int i) { return i >> level << level; }), level};
-    };
-    Found found = {root(), 0};
+    int level = depth_;
+    CellNumber number = 0;
     int low = least_level + 1; // the least divided level lies in [low, high], if there is one
     int high = depth_;
     while (low <= high) {
         const int middle = (low + high) / 2;
-        const OctreeTable::Entry* entry = table_.find(key_of(cell_at(middle)));
+        const OctreeTable::Entry* entry = table_.find(key_of(position, middle));
         if (!entry) {
             low = middle + 1;
             continue;
         }
-        const unsigned child = child_index(position, middle - 1);
-        found = {cell_at(middle - 1), 1 + 8 * entry->block + child};
+        level = middle - 1;
+        const unsigned child = child_index(position, level);
+        number = entry->links + link_offset(child);
         if (!(entry->divided >> child & 1)) break;
-        high = middle - 1;
+        high = level;
     }
-    return found;
+    return {cell_around(position, level), number};
 }
 
-OctreeCell HashedOctree::leaf_at(const Vec3d& p_index) const {
-    return smallest_cell_at(finest_cell_at(p_index), 0).cell;
+HashedOctree::Found HashedOctree::find_leaf(const Vec3d& p_index) const {
+    return smallest_cell_at(finest_cell_at(p_index), 0);
 }
 
 std::optional<OctreeCell> HashedOctree::neighbour(const OctreeCell& cell, int axis,
@@ -168,11 +126,8 @@ std::optional<OctreeCell> HashedOctree::neighbour(const OctreeCell& cell, int ax
 }
 
 std::array<HashedOctree::NodeNumber, 8> HashedOctree::nodes_of(CellNumber cell) const {
-    if (cell == 0) return {0, 1, 2, 3, 4, 5, 6, 7};
-    const Block& block = blocks_[(cell - 1) / 8];
-    const Index3 child = corner((cell - 1) % 8);
     std::array<NodeNumber, 8> nodes;
-    for (unsigned i = 0; i < 8; ++i) nodes[i] = block[block_index(child + corner(i))];
+    for (unsigned i = 0; i < 8; ++i) nodes[i] = node_of(cell, i);
     return nodes;
 }
 
@@ -193,7 +148,7 @@ HashedOctree::Surroundings HashedOctree::surroundings_of(const Index3& position)
         const OctreeTable::Entry* entry = entry_of(cell);
         if (!entry) return;
         ++result.divided;
-        result.node = blocks_[entry->block][block_index(inside - 2 * step)];
+        result.node = block_of(*entry)[block_index(inside - 2 * step)];
     });
     return result;
 }
@@ -211,8 +166,7 @@ bool HashedOctree::is_hanging(const Index3& position) const {
     return around.node && around.divided < around.cells;
 }
 
-float HashedOctree::value_at(const Vec3d& p_index) const {
-    const Found leaf = smallest_cell_at(finest_cell_at(p_index), 0);
+float HashedOctree::value_at(const Vec3d& p_index, const Found& leaf) const {
     const std::array<NodeNumber, 8> nodes = nodes_of(leaf.number);
     CornerData corners;
     for (std::size_t i = 0; i < 8; ++i) corners[i] = data_of(nodes[i]).data();
@@ -242,10 +196,10 @@ void HashedOctree::divide(const OctreeCell& leaf, const NodeSampler& sampler) {
                                      !number           ? "there is none"
                                      : leaf.level == 0 ? "it is of the finest"
                                                        : "it is no leaf"));
-    if (free_blocks_.empty() && blocks_.size() >= most_blocks)
-        throw ResourceError("an octree holds no more than 2^32 cells");
+    if (free_links_.empty() && links_.size() > no_node - 27)
+        throw ResourceError("an octree links no more than 2^32 corners");
 
-    Block block;
+    std::array<NodeNumber, 27> block;
     block.fill(no_node);
     const std::array<NodeNumber, 8> corners = nodes_of(*number);
     for (unsigned i = 0; i < 8; ++i) block[block_index(2 * corner(i))] = corners[i];
@@ -256,7 +210,7 @@ void HashedOctree::divide(const OctreeCell& leaf, const NodeSampler& sampler) {
         if (axes == 0 || axes == 3 || !is_in_range(beside)) return;
         const OctreeTable::Entry* entry = entry_of(beside);
         if (!entry) return;
-        const Block& other = blocks_[entry->block];
+        const std::span<const NodeNumber> other = block_of(*entry);
         const Index3 lo = step.unaryExpr([](int s) { return s > 0 ? 2 : 0; });
         const Index3 hi = step.unaryExpr([](int s) { return s < 0 ? 0 : 2; });
         for_each_place(lo, hi, [&](const Index3& place) {
@@ -279,17 +233,17 @@ void HashedOctree::divide(const OctreeCell& leaf, const NodeSampler& sampler) {
         if (node == no_node) node = add_node(data_of_new(count++));
 
     OctreeTable::Entry entry = {.key = key_of(leaf)};
-    if (free_blocks_.empty()) {
-        entry.block = static_cast<std::uint32_t>(blocks_.size());
-        blocks_.push_back(block);
+    if (free_links_.empty()) {
+        entry.links = static_cast<std::uint32_t>(links_.size());
+        links_.insert(links_.end(), block.begin(), block.end());
     } else {
-        entry.block = free_blocks_.back();
-        free_blocks_.pop_back();
-        blocks_[entry.block] = block;
+        entry.links = free_links_.back();
+        free_links_.pop_back();
+        std::ranges::copy(block, block_of(entry).begin());
     }
     table_.insert(entry);
     if (leaf.level < depth_)
-        table_.find(key_of(parent_of(leaf)))->divided |=
+        table_.find(key_of(leaf.position, leaf.level + 1))->divided |=
             static_cast<std::uint8_t>(1 << child_index(leaf.position, leaf.level));
 }
 
@@ -298,18 +252,17 @@ void HashedOctree::merge(const OctreeCell& cell) {
     if (!entry || entry->divided != 0)
         throw InputError(fmt::format("cannot merge the children of {}: {}", text_of(cell),
                                      entry ? "one of them is divided" : "it has none"));
-    const std::uint32_t number = entry->block;
     for_each_place(Index3::Zero(), Index3::Constant(2), [&](const Index3& place) {
         if ((place.array() != 1).all()) return; // a corner of the cell itself
         if (surroundings_of(cell.position + place * (cell.size() / 2)).divided > 1) return;
-        const NodeNumber node = blocks_[number][block_index(place)];
+        const NodeNumber node = block_of(*entry)[block_index(place)];
         constrained_[node] = false;
         free_nodes_.push_back(node);
     });
-    free_blocks_.push_back(number);
+    free_links_.push_back(entry->links);
     table_.erase(key_of(cell));
     if (cell.level < depth_)
-        table_.find(key_of(parent_of(cell)))->divided &=
+        table_.find(key_of(cell.position, cell.level + 1))->divided &=
             static_cast<std::uint8_t>(~(1 << child_index(cell.position, cell.level)));
 }
 
@@ -347,7 +300,7 @@ void HashedOctree::constrain_hanging_nodes(const NodeSampler& sampler) {
 
 void HashedOctree::reserve(std::size_t divided_cells) {
     table_.reserve(divided_cells);
-    blocks_.reserve(divided_cells);
+    links_.reserve(root_links + 27 * divided_cells);
 }
 
 /// Calls visit(cell, entry) for each divided cell, depth first.
@@ -382,7 +335,7 @@ void HashedOctree::visit_nodes(
     }
     visit_blocks([&](const OctreeCell& cell, const OctreeTable::Entry& entry) {
         for_each_place(Index3::Zero(), Index3::Constant(2), [&](const Index3& place) {
-            const NodeNumber node = blocks_[entry.block][block_index(place)];
+            const NodeNumber node = block_of(entry)[block_index(place)];
             if (is_visited[node]) return;
             is_visited[node] = true;
             visit(cell.position + place * (cell.size() / 2), node);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
+#include "volume/octree_cell.h"
 #include "volume/octree_interpolant.h"
 #include "volume/octree_table.h"
 
@@ -12,37 +13,22 @@
 
 namespace isocast {
 
-/// Depths that an octree may have: cells of 2^0 … 2^20 finest cells.
-inline constexpr int greatest_octree_depth = 20;
-
-/// A cube of 2^level finest cells an edge; its lowest corner, a multiple of that, is `position`.
-struct OctreeCell {
-    Index3 position = Index3::Zero();
-    int level = 0;
-
-    int size() const { return 1 << level; }
-    bool operator==(const OctreeCell&) const = default;
-};
-
-/// The cell's parent, and its i-th child: at the upper half of x if bit 0 of i is set, …
-OctreeCell parent_of(const OctreeCell& cell);
-OctreeCell child_of(const OctreeCell& cell, int i);
-
 /// Cells over [0, 2^depth]^3, each of which may be divided into eight, and values at their corners
 /// (nodes), which up to eight cells share.
 ///
 /// Siblings are born and die together, so that one entry of the table stands for eight cells:
 ///
-///     table   place and size of a divided cell ─► its block, and which children are divided
-///     block   the numbers of the 27 corners of eight siblings, x fastest
+///     table   place and size of a divided cell ─► its links, and which children are divided
+///     links   the numbers of the 27 corners of eight siblings, x fastest
 ///     nodes   components_of(filter) floats each
 ///
-/// source  Sigg 2006 (thesis), chapter 3; blocks are its 3.4.3. The thesis has one entry a cell
+/// source  Sigg 2006 (thesis), chapter 3; eight siblings are a block of its 3.4.3
 /// Reading is const and may go on in several threads at once.
 class HashedOctree {
 public:
     /// Numbers of cells and nodes; they stay until the cell or node is removed, and then may be
-    /// given to another. Without removals they are 0, 1, 2, … without gaps.
+    /// given to another. Without removals those of nodes are 0, 1, 2, …; those of cells have gaps:
+    /// a cell's number is where `links` keeps its first corner.
     using CellNumber = std::uint32_t;
     using NodeNumber = std::uint32_t;
 
@@ -63,22 +49,37 @@ public:
     std::size_t memory_bytes() const;
     std::size_t table_bytes() const { return table_.memory_bytes(); }
 
-    // Cells: one probe of the table, whatever the depth.
+    // Cells: one probe of the table, whatever the depth. In line: what callers read of the result
+    // need not go through memory.
 
     /// Nothing if there is no such cell.
-    std::optional<CellNumber> find(const OctreeCell& cell) const;
+    std::optional<CellNumber> find(const OctreeCell& cell) const {
+        if (!is_in_range(cell)) return std::nullopt;
+        if (cell.level == depth_) return 0;
+        const OctreeTable::Entry* siblings = table_.find(key_of(cell.position, cell.level + 1));
+        if (!siblings) return std::nullopt;
+        return siblings->links + link_offset(child_index(cell.position, cell.level));
+    }
     bool is_divided(const OctreeCell& cell) const;
     /// The leaf that holds a point, by binary search over levels (3.3.1). On a face between cells
     /// the one above; points outside belong to the nearest cell inside.
-    OctreeCell leaf_at(const Vec3d& p_index) const;
+    OctreeCell leaf_at(const Vec3d& p_index) const { return find_leaf(p_index).cell; }
+    struct Found {
+        OctreeCell cell;
+        CellNumber number;
+        bool operator==(const Found&) const = default;
+    };
+    /// The same with its number.
+    Found find_leaf(const Vec3d& p_index) const;
     /// The smallest cell of at least this one's size that touches its face, upwards or downwards
     /// along `axis`; nothing at the border (3.3.2).
     std::optional<OctreeCell> neighbour(const OctreeCell& cell, int axis, bool upwards) const;
 
     // Nodes.
 
-    /// Of a cell's corners, as in CornerData.
+    /// Of a cell's corners, as in CornerData; and of the i-th alone.
     std::array<NodeNumber, 8> nodes_of(CellNumber cell) const;
+    NodeNumber node_of(CellNumber cell, unsigned i) const { return links_[cell + link_offset(i)]; }
     /// The node at a position, through at most four cells that may have it (3.3.3).
     std::optional<NodeNumber> find_node(const Index3& position) const;
     std::span<const float> data_of(NodeNumber node) const {
@@ -94,7 +95,9 @@ public:
     bool is_constrained(NodeNumber node) const { return constrained_[node]; }
 
     /// The field at a point; continuous once hanging nodes are constrained.
-    float value_at(const Vec3d& p_index) const;
+    float value_at(const Vec3d& p_index) const { return value_at(p_index, find_leaf(p_index)); }
+    /// The same where the leaf is known.
+    float value_at(const Vec3d& p_index, const Found& leaf) const;
 
     // Changes.
 
@@ -121,14 +124,25 @@ public:
     void visit_nodes(const std::function<void(const Index3& position, NodeNumber)>& visit) const;
 
 private:
-    using Block = std::array<NodeNumber, 27>;
+    /// From a block's first link to that at the lower (0) or middle (1) x, y, z of bits 0, 1, 2.
+    static constexpr unsigned link_offset(unsigned bits) {
+        return (bits & 1) + 3 * (bits >> 1 & 1) + 9 * (bits >> 2);
+    }
+    std::span<NodeNumber> block_of(const OctreeTable::Entry& entry) {
+        return std::span(links_).subspan(entry.links, 27);
+    }
+    std::span<const NodeNumber> block_of(const OctreeTable::Entry& entry) const {
+        return std::span(links_).subspan(entry.links, 27);
+    }
 
-    bool is_in_range(const OctreeCell& cell) const;
+    /// True for a place and a size that the tree could have.
+    bool is_in_range(const OctreeCell& cell) const {
+        if (cell.level < 0 || cell.level > depth_) return false;
+        const auto bits =
+            static_cast<unsigned>(cell.position.x() | cell.position.y() | cell.position.z());
+        return bits >> depth_ == 0 && (bits & (static_cast<unsigned>(cell.size()) - 1)) == 0;
+    }
     const OctreeTable::Entry* entry_of(const OctreeCell& cell) const;
-    struct Found {
-        OctreeCell cell;
-        CellNumber number;
-    };
     Found smallest_cell_at(const Index3& position, int least_level) const;
     Index3 finest_cell_at(const Vec3d& p_index) const;
     struct Surroundings {
@@ -145,12 +159,36 @@ private:
     OctreeFilter filter_ = OctreeFilter::Linear;
     std::size_t components_ = 1;
     OctreeTable table_;
-    std::vector<Block> blocks_;
+    std::vector<NodeNumber> links_; // the root's lie as if it were the lowest of eight siblings
     std::vector<float> nodes_;
     std::vector<bool> constrained_; // a bit a node
     // Numbers that were removed and not given again.
-    std::vector<std::uint32_t> free_blocks_;
+    std::vector<std::uint32_t> free_links_; // firsts of 27
     std::vector<NodeNumber> free_nodes_;
+};
+
+/// Leaves of points that lie close to the last one: the last leaf is tried first (3.4.2). Of points
+/// half a finest cell apart along rays it holds 19 in 20. Another cursor for each thread, and a new
+/// one after each change of the tree.
+class OctreeCursor {
+public:
+    explicit OctreeCursor(const HashedOctree& tree)
+        : tree_(&tree), leaf_(tree.find_leaf(Vec3d::Zero())) {}
+
+    /// As of the tree.
+    const HashedOctree::Found& find_leaf(const Vec3d& p_index) {
+        const OctreeCell& cell = leaf_.cell;
+        for (int axis = 0; axis < 3; ++axis) {
+            const double t = p_index[axis] - cell.position[axis];
+            if (!(t >= 0 && t < cell.size())) return leaf_ = tree_->find_leaf(p_index);
+        }
+        return leaf_;
+    }
+    float value_at(const Vec3d& p_index) { return tree_->value_at(p_index, find_leaf(p_index)); }
+
+private:
+    const HashedOctree* tree_;
+    HashedOctree::Found leaf_;
 };
 
 } // namespace isocast

@@ -14,7 +14,7 @@ class OctreeTable {
 public:
     struct Entry {
         std::uint64_t key = 0; // 0: the slot is free
-        std::uint32_t block = 0;
+        std::uint32_t links = 0;
         std::uint8_t divided = 0; // bit i: child i is divided, and has an entry too
     };
     static_assert(sizeof(Entry) == 16, "four to a cache line, none across two");

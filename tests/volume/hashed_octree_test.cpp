@@ -34,12 +34,12 @@ TEST(OctreeTable, HoldsWhatAMapHolds) {
         const OctreeTable::Entry* entry = table.find(key);
         ASSERT_EQ(entry != nullptr, map.contains(key));
         if (entry) {
-            ASSERT_EQ(entry->block, map[key]);
+            ASSERT_EQ(entry->links, map[key]);
             table.erase(key);
             map.erase(key);
         } else {
             map[key] = static_cast<std::uint32_t>(i);
-            table.insert({.key = key, .block = map[key]});
+            table.insert({.key = key, .links = map[key]});
         }
         ASSERT_EQ(table.size(), map.size());
     }
@@ -129,6 +129,21 @@ TEST(HashedOctree, TakesPointsThatAreNoNumbersAsSomePlaceInside) {
     tree.divide(tree.root(), sample_zero);
     constexpr double infinity = std::numeric_limits<double>::infinity();
     EXPECT_EQ(tree.leaf_at({infinity, -infinity, std::nan("")}), (OctreeCell{{4, 0, 0}, 2}));
+}
+
+TEST(OctreeCursor, FindsTheLeafThatTheTreeFinds) {
+    Random random(6);
+    OctreePair pair(6);
+    for (int i = 0; i < 300; ++i) pair.change(random, 0.2);
+    OctreeCursor cursor(pair.tree);
+    Vec3d p = Vec3d::Zero();
+    for (int i = 0; i < 20'000; ++i) {
+        // Steps of quarters, so that points lie on faces too, and now and then outside.
+        for (int axis = 0; axis < 3; ++axis) p[axis] += test::random_int(random, -3, 3) / 4.0;
+        if (i % 200 == 0) p = (4 * test::random_point(random, -1, 65)).array().round() / 4;
+        ASSERT_EQ(cursor.find_leaf(p), pair.tree.find_leaf(p)) << p.transpose();
+        ASSERT_EQ(cursor.value_at(p), pair.tree.value_at(p));
+    }
 }
 
 /// The thesis's tree takes 36 bytes a cell, its table 25.

@@ -11,10 +11,16 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <tuple>
 
 namespace isocast {
 
 namespace {
+
+/// Levels between a block and its cells.
+constexpr int block_levels = std::countr_zero(static_cast<unsigned>(block_size));
+/// Levels that one field shows: a block's cells may be as large as the block.
+constexpr int levels_of_field = block_levels + 1;
 
 CornerData corners_of(const HashedOctree& tree, const OctreeCell& cell) {
     CornerData corners;
@@ -23,23 +29,12 @@ CornerData corners_of(const HashedOctree& tree, const OctreeCell& cell) {
     return corners;
 }
 
-/// The samples of a cell: those at its faces belong to the cell above, or to it at the border.
-IndexBox samples_of(const OctreeCell& cell, int depth) {
+/// The finest cells' corners in a cell: those at its faces belong to the cell above, or to it at
+/// the border.
+IndexBox corners_in(const OctreeCell& cell, int depth) {
     const Index3 end = (cell.position.array() + cell.size()).matrix();
     const Index3 is_border = (end.array() == 1 << depth).cast<int>().matrix();
     return {cell.position, end + is_border};
-}
-
-/// Calls at_leaf(cell) for the leaves under `cell` that hold a sample of `box`.
-template<class AtLeaf>
-void visit_leaves(const HashedOctree& tree, const OctreeCell& cell, const IndexBox& box,
-                  const AtLeaf& at_leaf) {
-    if (intersection(samples_of(cell, tree.depth()), box).is_empty()) return;
-    if (!tree.is_divided(cell)) {
-        at_leaf(cell);
-        return;
-    }
-    for (int i = 0; i < 8; ++i) visit_leaves(tree, child_of(cell, i), box, at_leaf);
 }
 
 /// ceil(index / 2^level)
@@ -47,102 +42,190 @@ Index3 ceil_shift(const Index3& index, int level) {
     return -floor_div(-index, 1 << level);
 }
 
+auto order_of(const OctreeCell& cell) {
+    return std::tuple(cell.position.z(), cell.position.y(), cell.position.x());
+}
+
+GridSpace lattice_space(GridSpace space, int lattice) {
+    space.world_from_index.scale(std::exp2(lattice));
+    return space;
+}
+
 } // namespace
 
-OctreeField::OctreeField(HashedOctree tree, GridSpace space, double half_width_world)
-    : tree_(std::move(tree)), space_(std::move(space)), half_width_world_(half_width_world) {
-    if (!(half_width_world > 0) || !std::isfinite(half_width_world))
-        throw InputError(fmt::format("a half width of {} is not a length", half_width_world));
+OctreeField::OctreeField(std::shared_ptr<const HashedOctree> tree, const GridSpace& space,
+                         double reach_world, int lattice)
+    : tree_(std::move(tree)), space_(lattice_space(space, lattice)), reach_world_(reach_world),
+      lattice_(lattice) {
+    if (!(reach_world >= 0) || !std::isfinite(reach_world))
+        throw InputError(fmt::format("a reach of {} is not a length", reach_world));
+    if (lattice < 0 || lattice > tree_->depth())
+        throw InputError(
+            fmt::format("an octree of depth {} has no cells of level {}", tree_->depth(), lattice));
 }
 
 IndexBox OctreeField::extent() const {
-    return samples_of(tree_.root(), tree_.depth());
+    const int across = 1 << (tree_->depth() - lattice_);
+    return {Index3::Zero(), Index3::Constant(across + 1)};
+}
+
+bool OctreeField::is_in_reach(const OctreeCell& leaf) const {
+    const CellBounds bounds = bounds_of(tree_->filter(), corners_of(*tree_, leaf), leaf.size());
+    return bounds.min <= reach_world_ && bounds.max >= -reach_world_;
+}
+
+int OctreeField::finest_leaf(const OctreeCell& cell) const {
+    if (!tree_->is_divided(cell)) return is_in_reach(cell) ? cell.level : greatest_octree_depth;
+    int finest = greatest_octree_depth;
+    for (int i = 0; i < 8 && finest > 0; ++i)
+        finest = std::min(finest, finest_leaf(child_of(cell, i)));
+    return finest;
+}
+
+template<class AtLeaf>
+void OctreeField::visit_leaves(const OctreeCell& cell, const IndexBox& box,
+                               const AtLeaf& at_leaf) const {
+    if (intersection(corners_in(cell, tree_->depth()), box).is_empty()) return;
+    if (!tree_->is_divided(cell)) {
+        at_leaf(cell);
+        return;
+    }
+    for (int i = 0; i < 8; ++i) visit_leaves(child_of(cell, i), box, at_leaf);
+}
+
+IndexBox OctreeField::finest_box(const IndexBox& box) const {
+    if (box.is_empty()) return {};
+    const int step = 1 << lattice_;
+    return {step * box.lo, (step * (box.hi.array() - 1) + 1).matrix()};
 }
 
 std::vector<IndexBox> OctreeField::active_boxes() const {
-    // No smaller than blocks: what is smaller would only be put together again.
-    constexpr int block_level = std::countr_zero(static_cast<unsigned>(block_size));
-    std::vector<IndexBox> boxes;
-    const auto is_active = [&](const OctreeCell& cell) {
-        const CellBounds bounds = bounds_of(tree_.filter(), corners_of(tree_, cell), cell.size());
-        return bounds.min < half_width_world_ && bounds.max > -half_width_world_;
+    const auto samples_in = [&](const OctreeCell& cell) {
+        const IndexBox corners = corners_in(cell, tree_->depth());
+        return IndexBox{ceil_shift(corners.lo, lattice_), ceil_shift(corners.hi, lattice_)};
     };
-    std::optional<OctreeCell> taken; // the last small cell that was listed
-    tree_.visit_cells([&](const OctreeCell& cell, bool is_leaf) {
-        if (!is_leaf) return;
-        OctreeCell block = cell;
-        while (block.level < std::min(block_level, tree_.depth())) block = parent_of(block);
-        if ((taken && *taken == block) || !is_active(cell)) return;
-        taken = block;
-        boxes.push_back(samples_of(block, tree_.depth()));
-    });
+    std::vector<IndexBox> boxes;
+    if (blocks_) {
+        for (const OctreeCell& block : *blocks_) boxes.push_back(samples_in(block));
+        return boxes;
+    }
+    const int level = std::min(lattice_ + block_levels, tree_->depth());
+    const auto add = [&](const auto& self, const OctreeCell& cell) -> void {
+        if (cell.level <= level || !tree_->is_divided(cell)) {
+            if (finest_leaf(cell) < greatest_octree_depth) boxes.push_back(samples_in(cell));
+            return;
+        }
+        for (int i = 0; i < 8; ++i) self(self, child_of(cell, i));
+    };
+    add(add, tree_->root());
     return boxes;
 }
 
 int OctreeField::finest_level(const IndexBox& box) const {
-    int finest = tree_.depth();
-    visit_leaves(tree_, tree_.root(), box,
-                 [&](const OctreeCell& leaf) { finest = std::min(finest, leaf.level); });
-    return finest;
+    if (blocks_) {
+        const Index3 block = floor_div(box.lo, block_size);
+        const OctreeCell cell{block * (block_size << lattice_), lattice_ + block_levels};
+        const auto found = std::ranges::lower_bound(*blocks_, order_of(cell), {}, order_of);
+        if (found == blocks_->end() || found->position != cell.position) return -1;
+    }
+    int finest = greatest_octree_depth;
+    visit_leaves(tree_->root(), finest_box(box), [&](const OctreeCell& leaf) {
+        if (leaf.level < finest && is_in_reach(leaf)) finest = leaf.level;
+    });
+    return std::max(finest - lattice_, 0);
 }
 
 ValueRange OctreeField::value_range(const IndexBox& box) const {
-    const auto background = static_cast<float>(half_width_world_);
-    ValueRange range{background, -background};
-    visit_leaves(tree_, tree_.root(), box, [&](const OctreeCell& leaf) {
-        const CellBounds bounds = bounds_of(tree_.filter(), corners_of(tree_, leaf), leaf.size());
-        range.min = std::min(range.min, static_cast<float>(bounds.min));
-        range.max = std::max(range.max, static_cast<float>(bounds.max));
+    constexpr float infinity = std::numeric_limits<float>::infinity();
+    const IndexBox all = extent();
+    const Index3 last = (all.hi.array() - 1).matrix();
+    // Beyond the extent the samples at the border continue.
+    const IndexBox inside{
+        box.lo.cwiseMax(all.lo).cwiseMin(last),
+        ((box.hi.array() - 1).matrix().cwiseMax(all.lo).cwiseMin(last).array() + 1).matrix()};
+    ValueRange range{infinity, -infinity};
+    visit_leaves(tree_->root(), finest_box(inside), [&](const OctreeCell& leaf) {
+        const CellBounds bounds = bounds_of(tree_->filter(), corners_of(*tree_, leaf), leaf.size());
+        range.min = std::min(range.min, std::nextafter(static_cast<float>(bounds.min), -infinity));
+        range.max = std::max(range.max, std::nextafter(static_cast<float>(bounds.max), infinity));
     });
-    const IndexBox inside = intersection(box, extent());
-    if (inside != box) range = {-background, background};
-    return {std::clamp(range.min, -background, background),
-            std::clamp(range.max, -background, background)};
+    return range;
 }
 
 void OctreeField::copy_box(const IndexBox& box, int level, std::span<float> out) const {
-    const auto background = static_cast<float>(half_width_world_);
-    const IndexBox all = extent();
+    const int shift = lattice_ + level; // of the box's lattice, from the finest cells'
     const Index3 n = box.size();
     const auto place = [&](int x, int y, int z) -> float& {
         return out[static_cast<std::size_t>(
             (x - box.lo.x()) +
             std::ptrdiff_t{n.x()} * ((y - box.lo.y()) + std::ptrdiff_t{n.y()} * (z - box.lo.z())))];
     };
-    const int step = 1 << level;
-    const IndexBox read{step * box.lo, (step * (box.hi.array() - 1) + 1).matrix()};
     const auto fill = [&](const auto& self, const OctreeCell& cell) -> void {
-        // The lattice's samples in the cell.
-        const IndexBox own = samples_of(cell, tree_.depth());
+        const IndexBox own = corners_in(cell, tree_->depth());
         const IndexBox part =
-            intersection({ceil_shift(own.lo, level), ceil_shift(own.hi, level)}, box);
+            intersection({ceil_shift(own.lo, shift), ceil_shift(own.hi, shift)}, box);
         if (part.is_empty()) return;
-        if (tree_.is_divided(cell)) {
+        if (tree_->is_divided(cell)) {
             for (int i = 0; i < 8; ++i) self(self, child_of(cell, i));
             return;
         }
-        const CornerData corners = corners_of(tree_, cell);
+        const CornerData corners = corners_of(*tree_, cell);
         const double size = cell.size();
         for (int z = part.lo.z(); z < part.hi.z(); ++z)
             for (int y = part.lo.y(); y < part.hi.y(); ++y)
                 for (int x = part.lo.x(); x < part.hi.x(); ++x) {
-                    const Vec3d t = (step * Index3(x, y, z) - cell.position).cast<double>() / size;
-                    place(x, y, z) = std::clamp(interpolate(tree_.filter(), corners, size, t),
-                                                -background, background);
+                    const Index3 within = (1 << shift) * Index3(x, y, z) - cell.position;
+                    place(x, y, z) =
+                        interpolate(tree_->filter(), corners, size, within.cast<double>() / size);
                 }
     };
-    fill(fill, tree_.root());
-    if (intersection(read, all) == read) return;
-    // Beyond the extent a sample has the sign of the border.
+    fill(fill, tree_->root());
+    const int across = 1 << std::max(tree_->depth() - shift, 0);
+    const IndexBox all{Index3::Zero(), Index3::Constant(across + 1)};
+    if (intersection(box, all) == box) return;
+    // Beyond the extent the samples at the border continue.
     for (int z = box.lo.z(); z < box.hi.z(); ++z)
         for (int y = box.lo.y(); y < box.hi.y(); ++y)
-            for (int x = box.lo.x(); x < box.hi.x(); ++x) {
-                const Index3 index = step * Index3(x, y, z);
-                if (all.contains(index)) continue;
-                const Index3 border =
-                    index.cwiseMax(all.lo).cwiseMin((all.hi.array() - 1).matrix());
-                place(x, y, z) = std::copysign(background, tree_.value_at(border.cast<double>()));
+            for (int x = box.lo.x(); x < box.hi.x(); ++x)
+                if (!all.contains({x, y, z}))
+                    place(x, y, z) = tree_->value_at((1 << shift) * Vec3d(x, y, z));
+}
+
+std::vector<std::shared_ptr<const OctreeField>>
+fields_of_octree(std::shared_ptr<const HashedOctree> tree, const GridSpace& space,
+                 double reach_world, std::size_t greatest_block_count) {
+    const OctreeField finest(tree, space, reach_world);
+    const int least = finest.finest_leaf(tree->root());
+    const int lattice = least < greatest_octree_depth ? least : 0;
+    auto one = std::make_shared<const OctreeField>(tree, space, reach_world, lattice);
+    if (lattice + levels_of_field > tree->depth() ||
+        one->active_boxes().size() <= greatest_block_count)
+        return {one};
+    std::vector<std::shared_ptr<OctreeField>> fields;
+    for (int l = lattice; l + block_levels <= tree->depth(); l += levels_of_field) {
+        fields.push_back(std::make_shared<OctreeField>(tree, space, reach_world, l));
+        fields.back()->blocks_.emplace();
+    }
+    const auto assign = [&](const auto& self, const OctreeCell& cell) -> void {
+        const int detail = finest.finest_leaf(cell);
+        if (detail == greatest_octree_depth) return;
+        const int above = cell.level - block_levels - lattice;
+        if (above >= 0 && above % levels_of_field == 0) {
+            OctreeField& field = *fields[static_cast<std::size_t>(above / levels_of_field)];
+            if (detail >= field.lattice_) {
+                field.blocks_->push_back(cell);
+                return;
             }
+        }
+        for (int i = 0; i < 8; ++i) self(self, child_of(cell, i));
+    };
+    assign(assign, tree->root());
+    std::vector<std::shared_ptr<const OctreeField>> shown;
+    for (const std::shared_ptr<OctreeField>& field : fields) {
+        std::ranges::sort(*field->blocks_, {}, order_of);
+        if (!field->blocks_->empty()) shown.push_back(field);
+    }
+    return shown;
 }
 
 } // namespace isocast

@@ -5,29 +5,61 @@
 #include "volume/field_source.h"
 #include "volume/hashed_octree.h"
 
+#include <memory>
+
 namespace isocast {
 
-/// The interpolant of an octree at the corners of its finest cells, within a band: values are
-/// clamped to ± its half width.
+/// The interpolant of an octree at the corners of the cells of one level, its lattice.
+///
+/// It has no band: every sample holds the interpolant's own value. Isosurfaces at up to ± reach are
+/// found.
 class OctreeField final : public FieldSource {
 public:
-    /// half_width_world  > 0
-    OctreeField(HashedOctree tree, GridSpace space, double half_width_world);
+    /// space         of the finest cells
+    /// reach_world   >= 0
+    /// lattice       level of the cells between whose corners samples lie
+    OctreeField(std::shared_ptr<const HashedOctree> tree, const GridSpace& space,
+                double reach_world, int lattice = 0);
 
-    const HashedOctree& tree() const { return tree_; }
+    const HashedOctree& tree() const { return *tree_; }
+    int lattice() const { return lattice_; }
     const GridSpace& space() const override { return space_; }
     IndexBox extent() const override;
-    std::optional<double> half_width_world() const override { return half_width_world_; }
-    /// The leaves that hold a sample within the band.
+    std::optional<double> half_width_world() const override { return std::nullopt; }
+    /// Blocks of 8^3 cells, or larger leaves, that hold an isosurface within reach.
     std::vector<IndexBox> active_boxes() const override;
+    /// Of the leaves that hold an isosurface within reach, above the lattice; greatest_octree_depth
+    /// where there is none. Below 0 in blocks that another field of fields_of_octree() shows.
     int finest_level(const IndexBox& box) const override;
     ValueRange value_range(const IndexBox& box) const override;
     void copy_box(const IndexBox& box, int level, std::span<float> out) const override;
 
 private:
-    HashedOctree tree_;
+    friend std::vector<std::shared_ptr<const OctreeField>>
+    fields_of_octree(std::shared_ptr<const HashedOctree> tree, const GridSpace& space,
+                     double reach_world, std::size_t greatest_block_count);
+
+    bool is_in_reach(const OctreeCell& leaf) const;
+    /// The finest leaf in a cell that holds an isosurface within reach.
+    int finest_leaf(const OctreeCell& cell) const;
+    /// Calls at_leaf(leaf) for the leaves that hold a finest cell's corner in the box [finest].
+    template<class AtLeaf>
+    void visit_leaves(const OctreeCell& cell, const IndexBox& box, const AtLeaf& at_leaf) const;
+    IndexBox finest_box(const IndexBox& box) const;
+
+    std::shared_ptr<const HashedOctree> tree_;
     GridSpace space_;
-    double half_width_world_;
+    double reach_world_;
+    int lattice_;
+    /// Sorted; those that are shown, if not all.
+    std::optional<std::vector<OctreeCell>> blocks_;
 };
+
+/// The fields that together show an octree's isosurfaces: one, on the lattice of the finest leaf
+/// that holds a piece, if its blocks of 8^3 cells there are few; else one for each four levels, and
+/// each block is shown by the coarsest of them that has all of its detail.
+std::vector<std::shared_ptr<const OctreeField>>
+fields_of_octree(std::shared_ptr<const HashedOctree> tree, const GridSpace& space,
+                 double reach_world, std::size_t greatest_block_count = 1 << 18);
 
 } // namespace isocast

@@ -51,7 +51,8 @@ Mesh splats(const CheckedPoints& input) {
 struct Reach {
     std::vector<double> spacing;
     double half_width;
-    double of(std::size_t point) const { return half_width + 2 * spacing[point]; }
+    /// Half a width above the middle of a gap of four spacings.
+    double of(std::size_t point) const { return std::hypot(half_width, 2 * spacing[point]); }
 };
 
 /// Coordinates of the blocks with a sample within reach of a point, in order.
@@ -105,12 +106,15 @@ public:
         field.tree().within(middle_, radius_ + 2 * half_diagonal + slack, found_);
         for (auto& axis : position_) axis.resize(found_.size());
         squares_.resize(found_.size());
+        seen_.resize(found_.size() + 1);
+        last_ = middle_;
+        last_radius_ = radius_;
         for (std::size_t i = 0; i < found_.size(); ++i)
             for (int axis = 0; axis < 3; ++axis)
                 position_[axis][i] = field.points()[found_[i].point][axis];
     }
 
-    /// The points that `p` sees, nearest first, as PointTree::nearest has them.
+    /// The points that `p` sees, the nearest first and the farthest last.
     std::span<const Neighbour> seen_from(const Vec3d& p) {
         for (std::size_t i = 0; i < squares_.size(); ++i) {
             const double x = position_[0][i] - p.x();
@@ -118,13 +122,20 @@ public:
             const double z = position_[2][i] - p.z();
             squares_[i] = x * x + y * y + z * z;
         }
-        const double greatest = std::pow(radius_ + (p - middle_).norm() + slack, 2);
-        seen_.clear();
-        for (std::size_t i = 0; i < squares_.size(); ++i)
-            if (squares_[i] <= greatest) seen_.push_back({squares_[i], found_[i].point});
+        // The radius changes by no more than one moves.
+        const double greatest = std::pow(
+            std::min(radius_ + (p - middle_).norm(), last_radius_ + (p - last_).norm()) + slack, 2);
+        std::size_t count = 0;
+        for (std::size_t i = 0; i < squares_.size(); ++i) { // without a branch to guess
+            seen_[count] = {squares_[i], found_[i].point};
+            count += squares_[i] <= greatest;
+        }
         const auto end = seen_.begin() + static_cast<std::ptrdiff_t>(seen_points_);
-        std::nth_element(seen_.begin(), end - 1, seen_.end());
-        std::sort(seen_.begin(), end);
+        std::nth_element(seen_.begin(), end - 1,
+                         seen_.begin() + static_cast<std::ptrdiff_t>(count));
+        std::iter_swap(seen_.begin(), std::min_element(seen_.begin(), end));
+        last_ = p;
+        last_radius_ = std::sqrt((end - 1)->squared_distance);
         return {seen_.data(), seen_points_};
     }
 
@@ -138,6 +149,8 @@ private:
     std::array<std::vector<double>, 3> position_;
     std::vector<double> squares_;
     std::vector<Neighbour> seen_;
+    Vec3d last_; // asked for, and what it saw
+    double last_radius_ = 0;
 };
 
 class PointBand {
@@ -183,12 +196,13 @@ private:
     double signed_distance(const Vec3d& p, std::span<const Neighbour> seen) const {
         const Meshless::Value value = field_.at(p, seen);
         const bool is_negative = value.near < 0;
-        const bool is_blank = value.near_weight == 0 || value.near == 0;
-        if (value.far > reach_.spacing[static_cast<std::size_t>(value.nearest)] || is_blank) {
+        if (value.near == 0 ||
+            (!value.all_agree &&
+             value.far > reach_.spacing[static_cast<std::size_t>(value.nearest)])) {
             const double winding = winding_.at(p);
             const bool is_inside = winding > 0.5;
             const bool is_decided = std::abs(winding - 0.5) > 0.25;
-            if (is_blank || (is_decided && is_inside != is_negative))
+            if (value.near_weight < 1 && is_decided && is_inside != is_negative)
                 return is_inside ? -value.far : value.far;
         }
         return value.blended(is_negative);

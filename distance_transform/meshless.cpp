@@ -31,13 +31,6 @@ constexpr std::array method_names = {MethodName{"partition", PointMethod::Partit
                                      MethodName{"rbf", PointMethod::Rbf},
                                      MethodName{"mls", PointMethod::Mls}};
 
-/// Scratch memory of a thread, for as many points as a place looks at.
-std::span<double> scratch(std::size_t count) {
-    thread_local std::vector<double> memory;
-    memory.resize(std::max(memory.size(), count));
-    return {memory.data(), count};
-}
-
 /// 1 for normals less than 60 degrees apart, 0 from 90 degrees on.
 double agreement(const Vec3d& a, const Vec3d& b) {
     const double t = std::clamp(2 * a.dot(b), 0.0, 1.0);
@@ -91,25 +84,28 @@ std::string_view name_of(PointMethod method) {
     return std::ranges::find(method_names, method, &MethodName::method)->name;
 }
 
-double relative_deviation(std::span<const Neighbour> seen) {
+double relative_deviation(std::span<const double> distances) {
+    const auto count = static_cast<double>(distances.size());
     double mean = 0;
-    for (const Neighbour& n : seen) mean += std::sqrt(n.squared_distance);
-    mean /= static_cast<double>(seen.size());
+    for (const double r : distances) mean += r / count;
     // Deviations from the mean, since the mean of squares less its square cancels far away.
     double variance = 0;
-    for (const Neighbour& n : seen) {
-        const double deviation = std::sqrt(n.squared_distance) - mean;
-        variance += deviation * deviation;
-    }
-    variance /= static_cast<double>(seen.size());
+    for (const double r : distances) variance += (r - mean) * (r - mean) / count;
     return mean > 0 ? std::sqrt(variance) / mean : 0;
 }
 
-double near_weight(std::span<const Neighbour> seen) {
-    const double deviation = relative_deviation(seen);
+double near_weight(std::span<const double> distances) {
+    const double deviation = relative_deviation(distances);
     if (deviation == 0) return 0;
     const double t = std::clamp((1 / deviation - std::sqrt(8.0)) / 25, 0.0, 1.0);
     return (1 - t) * (1 - t) * (1 - t);
+}
+
+double Meshless::Value::blended(bool negative) const {
+    const double signed_far = negative ? -far : far;
+    if (near_weight == 1 || far == 0) return near;
+    const double flatness = std::pow(std::min(std::abs(near) / far, 1.0), near_weight);
+    return near + (1 - near_weight) * flatness * (signed_far - near);
 }
 
 Meshless::Meshless(std::vector<Vec3d> points, std::vector<Vec3d> normals,
@@ -130,17 +126,20 @@ Meshless::Meshless(std::vector<Vec3d> points, std::vector<Vec3d> normals,
     if (options.method == PointMethod::Rbf) solve_radial();
 }
 
-void Meshless::weights(std::span<const Neighbour> seen, std::span<double> out) const {
+bool Meshless::weights(std::span<const Neighbour> seen, std::span<const double> distances,
+                       std::span<double> out) const {
     // The last of them is the first that no longer counts.
-    const double cutoff = std::sqrt(seen.back().squared_distance);
+    const double cutoff = distances.back();
     const Vec3d& facing = normals_[seen[0].point];
+    bool all_agree = true;
     double sum = 0;
     for (std::size_t i = 0; i < seen.size(); ++i) {
-        const double r = std::sqrt(seen[i].squared_distance);
+        const double r = distances[i];
         double weight = 0;
         switch (options_.method) {
         case PointMethod::Partition:
         case PointMethod::Mls:
+        case PointMethod::Rbf:
             weight = wendland(r / cutoff);
             break;
         case PointMethod::Printed:
@@ -152,15 +151,15 @@ void Meshless::weights(std::span<const Neighbour> seen, std::span<double> out) c
         case PointMethod::ModifiedShepard:
             weight = std::pow((cutoff - r) / r, 2);
             break;
-        case PointMethod::Rbf:
-            break;
         }
         if (std::isinf(weight)) { // others are nothing beside it
             std::ranges::fill(out, 0.0);
             out[i] = 1;
-            return;
+            return true;
         }
-        if (options_.same_side) weight *= agreement(facing, normals_[seen[i].point]);
+        const double agrees = agreement(facing, normals_[seen[i].point]);
+        all_agree = all_agree && agrees == 1;
+        if (options_.same_side) weight *= agrees;
         out[i] = weight;
         sum += weight;
     }
@@ -170,6 +169,7 @@ void Meshless::weights(std::span<const Neighbour> seen, std::span<double> out) c
         std::ranges::fill(out, 0.0);
         out[0] = 1;
     }
+    return all_agree;
 }
 
 Meshless::Value Meshless::at(const Vec3d& p) const {
@@ -179,18 +179,22 @@ Meshless::Value Meshless::at(const Vec3d& p) const {
 }
 
 Meshless::Value Meshless::at(const Vec3d& p, std::span<const Neighbour> seen) const {
+    thread_local std::vector<double> distances;
+    thread_local std::vector<double> weight;
+    distances.resize(seen.size());
+    weight.resize(seen.size());
+    for (std::size_t i = 0; i < seen.size(); ++i)
+        distances[i] = std::sqrt(seen[i].squared_distance);
     Value value{.near = 0,
-                .far = std::sqrt(seen[0].squared_distance),
-                .near_weight = isocast::near_weight(seen.first(seen.size() - 1)),
-                .nearest = seen[0].point};
-    if (value.near_weight == 0) return value;
+                .far = distances[0],
+                .near_weight = isocast::near_weight(std::span(distances).first(seen.size() - 1)),
+                .nearest = seen[0].point,
+                .all_agree = weights(seen, distances, weight)};
     if (options_.method == PointMethod::Mls) {
         value.near = projected(p, seen);
     } else if (options_.method == PointMethod::Rbf) {
         value.near = radial(p);
     } else {
-        const std::span<double> weight = scratch(seen.size());
-        weights(seen, weight);
         for (std::size_t i = 0; i < seen.size(); ++i)
             if (weight[i] > 0) value.near += weight[i] * plane(seen[i].point, p);
     }
@@ -202,16 +206,17 @@ Meshless::Value Meshless::at(const Vec3d& p, std::span<const Neighbour> seen) co
 double Meshless::projected(const Vec3d& p, std::span<const Neighbour> seen) const {
     constexpr int rounds = 3; // the last moves the foot by less than a hundredth of a spacing
     std::vector<Neighbour> around_foot(seen.begin(), seen.end());
+    std::vector<double> distances(seen.size());
+    std::vector<double> weight(seen.size());
     Vec3d foot = p;
     double distance = 0;
     for (int i = 0; i < rounds; ++i) {
-        if (i > 0) {
-            for (Neighbour& n : around_foot)
-                n.squared_distance = (points_[n.point] - foot).squaredNorm();
-            std::ranges::sort(around_foot);
-        }
-        const std::span<double> weight = scratch(seen.size());
-        weights(around_foot, weight);
+        for (Neighbour& n : around_foot)
+            n.squared_distance = (points_[n.point] - foot).squaredNorm();
+        std::ranges::sort(around_foot);
+        for (std::size_t k = 0; k < seen.size(); ++k)
+            distances[k] = std::sqrt(around_foot[k].squared_distance);
+        weights(around_foot, distances, weight);
         Vec3d normal = Vec3d::Zero();
         Vec3d middle = Vec3d::Zero();
         for (std::size_t k = 0; k < around_foot.size(); ++k) {
@@ -244,10 +249,13 @@ void Meshless::solve_constants() {
     Eigen::VectorXd right_side(count);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 256), [&](const auto& range) {
         std::vector<Neighbour> seen;
+        std::vector<double> distances(width);
         for (std::size_t j = range.begin(); j < range.end(); ++j) {
             tree_.nearest(points_[j], width, seen);
             const std::span<double> row(row_weights.data() + j * width, width);
-            weights(seen, row);
+            for (std::size_t i = 0; i < width; ++i)
+                distances[i] = std::sqrt(seen[i].squared_distance);
+            weights(seen, distances, row);
             std::ranges::copy(seen, neighbours.begin() + static_cast<std::ptrdiff_t>(j * width));
             double planes = 0;
             for (std::size_t i = 0; i < width; ++i)

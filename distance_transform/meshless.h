@@ -63,14 +63,13 @@ public:
         double far;         // distance to the nearest point, >= 0
         double near_weight; // w of 4.15
         std::int32_t nearest;
+        bool all_agree; // the normals of all points seen are within 60 degrees of the nearest one's
 
         /// negative  the sign of the far field
-        double blended(bool negative) const {
-            return near_weight * near + (1 - near_weight) * (negative ? -far : far);
-        }
+        double blended(bool negative) const;
     };
     Value at(const Vec3d& p) const;
-    /// seen  the seen_points() nearest points, nearest first
+    /// seen  the seen_points() nearest points, the nearest first and the farthest last
     Value at(const Vec3d& p, std::span<const Neighbour> seen) const;
     std::size_t seen_points() const { return static_cast<std::size_t>(options_.neighbours) + 1; }
 
@@ -79,7 +78,9 @@ public:
     std::span<const Vec3d> normals() const { return normals_; }
 
     /// What the planes of `seen` weigh, together 1; 0 for points of no influence.
-    void weights(std::span<const Neighbour> seen, std::span<double> out) const;
+    /// returns  whether all agree, see Value
+    bool weights(std::span<const Neighbour> seen, std::span<const double> distances,
+                 std::span<double> out) const;
 
 private:
     double plane(std::int32_t i, const Vec3d& p) const {
@@ -102,8 +103,8 @@ private:
 };
 
 /// w of 4.15 from the distances to the nearest points.
-double near_weight(std::span<const Neighbour> seen);
+double near_weight(std::span<const double> distances);
 /// The relative standard deviation of 4.12.
-double relative_deviation(std::span<const Neighbour> seen);
+double relative_deviation(std::span<const double> distances);
 
 } // namespace isocast

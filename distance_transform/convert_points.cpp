@@ -52,7 +52,9 @@ struct Reach {
     std::vector<double> spacing;
     double half_width;
     /// Half a width above the middle of a gap of four spacings.
-    double of(std::size_t point) const { return std::hypot(half_width, 2 * spacing[point]); }
+    double of(std::size_t point) const {
+        return std::sqrt(half_width * half_width + 4 * spacing[point] * spacing[point]);
+    }
 };
 
 /// Coordinates of the blocks with a sample within reach of a point, in order.
@@ -114,14 +116,20 @@ public:
                 position_[axis][i] = field.points()[found_[i].point][axis];
     }
 
-    /// The points that `p` sees, the nearest first and the farthest last.
-    std::span<const Neighbour> seen_from(const Vec3d& p) {
+    /// The point nearest to `p`.
+    Neighbour nearest_to(const Vec3d& p) {
         for (std::size_t i = 0; i < squares_.size(); ++i) {
             const double x = position_[0][i] - p.x();
             const double y = position_[1][i] - p.y();
             const double z = position_[2][i] - p.z();
             squares_[i] = x * x + y * y + z * z;
         }
+        const auto least = std::ranges::min_element(squares_);
+        return {*least, found_[static_cast<std::size_t>(least - squares_.begin())].point};
+    }
+
+    /// The points that `p` sees, the nearest first and the farthest last; after nearest_to(p).
+    std::span<const Neighbour> seen_from(const Vec3d& p) {
         // The radius changes by no more than one moves.
         const double greatest = std::pow(
             std::min(radius_ + (p - middle_).norm(), last_radius_ + (p - last_).norm()) + slack, 2);
@@ -131,15 +139,20 @@ public:
             count += squares_[i] <= greatest;
         }
         const auto end = seen_.begin() + static_cast<std::ptrdiff_t>(seen_points_);
-        std::nth_element(seen_.begin(), end - 1,
-                         seen_.begin() + static_cast<std::ptrdiff_t>(count));
-        std::iter_swap(seen_.begin(), std::min_element(seen_.begin(), end));
+        std::nth_element(seen_.begin(), end - 1, seen_.begin() + static_cast<std::ptrdiff_t>(count),
+                         is_nearer);
+        std::iter_swap(seen_.begin(), std::min_element(seen_.begin(), end, is_nearer));
         last_ = p;
         last_radius_ = std::sqrt((end - 1)->squared_distance);
         return {seen_.data(), seen_points_};
     }
 
 private:
+    /// Neighbour's order, without its care for what is no number.
+    static bool is_nearer(const Neighbour& a, const Neighbour& b) {
+        return a.squared_distance < b.squared_distance ||
+               (a.squared_distance == b.squared_distance && a.point < b.point);
+    }
     static constexpr double slack = 1e-6; // voxel: covers rounding, costs nothing
 
     Vec3d middle_;
@@ -173,10 +186,10 @@ public:
                     corner + Index3(k % Candidates::edge, k / Candidates::edge % Candidates::edge,
                                     k / (Candidates::edge * Candidates::edge));
                 const Vec3d p = (first + sample).cast<double>();
-                const std::span<const Neighbour> seen = candidates.seen_from(p);
-                const double far = reach_.of(static_cast<std::size_t>(seen[0].point));
-                if (seen[0].squared_distance > far * far) continue;
-                const double distance = signed_distance(p, seen);
+                const Neighbour nearest = candidates.nearest_to(p);
+                const double far = reach_.of(static_cast<std::size_t>(nearest.point));
+                if (nearest.squared_distance > far * far) continue;
+                const double distance = signed_distance(p, candidates.seen_from(p));
                 const int i = sample.x() + block_size * (sample.y() + block_size * sample.z());
                 known.set(i);
                 if (std::signbit(distance)) negative.set(i);

@@ -36,6 +36,8 @@ struct MeshlessOptions {
     /// Points whose normals turn away from the nearest one's do not count: they lie beyond an edge
     /// or on the other side of a thin part. Not for Rbf.
     bool same_side = true;
+
+    bool operator==(const MeshlessOptions&) const = default;
 };
 
 /// The distance field of a cloud, at any place.

@@ -90,7 +90,8 @@ CheckedPoints check(const PointCloud& given, int neighbours) {
             "{}: they are estimated, and outward is a guess where the cloud does not hang together "
             "or has thin parts.",
             cloud.normals.empty() ? "The points have no normals" : "Some normals have no length"));
-        cloud.normals = estimated_normals(cloud.points_world, tree, neighbours);
+        // Half of them: a plane asks for less than a blend, and bends less over less.
+        cloud.normals = estimated_normals(cloud.points_world, tree, std::max(neighbours / 2, 4));
     }
 
     result.spacing_world.resize(count);

@@ -70,16 +70,20 @@ INSTANTIATE_TEST_SUITE_P(ConvertPoints, RealClouds,
                                            "bunny-closed.obj", "fandisk.obj", "rocker-arm.obj",
                                            "spot.obj"));
 
-// Random points: the surface between them is off by about the square of a gap over 8 (0.015 at a
-// gap of twice the spacing), far less than a voxel here.
+// Random points leave gaps of several spacings, over which the far field is too large by up to a
+// voxel. RMS 0.1 voxel: what the project asks.
 TEST(ConvertPoints, SphereIsASphere) {
     const CheckedPoints points = check(random_sphere(4000, 1), 20);
     const ConvertOptions options = at_resolution(points, 48);
     const SparseField field = convert_points(points, options, {}).field;
-    for (const BandSample& sample : band_samples(field)) {
+    const std::vector<BandSample> samples = band_samples(field);
+    double sum = 0;
+    for (const BandSample& sample : samples) {
         const double d = field.space().to_world(sample.index.cast<double>()).norm() - 1;
-        EXPECT_NEAR(sample.value, d, 0.5 * options.voxel_size_world);
+        EXPECT_NEAR(sample.value, d, options.voxel_size_world);
+        sum += std::pow((sample.value - d) / options.voxel_size_world, 2);
     }
+    EXPECT_LT(std::sqrt(sum / static_cast<double>(samples.size())), 0.1);
 }
 
 /// A cloud on the sphere with normal noise of 1 % of its diameter, about a third of a spacing.

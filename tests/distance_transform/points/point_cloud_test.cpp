@@ -7,6 +7,7 @@
 #include "../../volume/temporary_folder.h"
 
 #include <fstream>
+#include <numbers>
 
 namespace isocast::test {
 namespace {
@@ -14,7 +15,6 @@ namespace {
 using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 
 struct PointFiles : testing::Test {
     TemporaryFolder folder;
@@ -46,7 +46,7 @@ TEST_F(PointFiles, VariantsGiveTheSamePoints) {
     for (const char* name : {"b.xyz", "d.obj", "f.ply"})
         EXPECT_EQ(read_points(folder / name).normals.size(), 2u) << name;
     for (const char* name : {"a.xyz", "c.obj", "e.ply"})
-        EXPECT_THAT(read_points(folder / name).normals, IsEmpty()) << name;
+        EXPECT_TRUE(read_points(folder / name).normals.empty()) << name;
 }
 
 TEST_F(PointFiles, MeshesGiveTheirVerticesAndNormals) {
@@ -114,7 +114,7 @@ TEST(PointCloud, DuplicatesAreDroppedWithAWarning) {
     cloud.normals.push_back(-cloud.normals[7]);
     const CheckedPoints points = check(cloud, 20);
     EXPECT_EQ(points.cloud.points_world.size(), 100u);
-    EXPECT_EQ(points.cloud.normals[7], cloud.normals[7].normalized());
+    EXPECT_GT(points.cloud.normals[7].dot(cloud.normals[7]), 0); // the first one's
     EXPECT_THAT(points.warnings, ElementsAre(HasSubstr("1 points at the position of another")));
 }
 

@@ -292,15 +292,24 @@ void Meshless::solve_radial() {
         spacing += std::sqrt(seen.back().squared_distance) / static_cast<double>(count);
     }
     radius_ = 3 * spacing;
-    const double offset = spacing;
     std::vector<Vec3d> centres = points_;
-    Eigen::VectorXd right_side = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(3 * count));
+    std::vector<double> values(count, 0.0);
     for (const double side : {1.0, -1.0}) {
         for (std::size_t i = 0; i < count; ++i) {
-            right_side[static_cast<Eigen::Index>(centres.size())] = side * offset;
-            centres.push_back(points_[i] + side * offset * normals_[i]);
+            // Halved where it comes nearer to another point than to its own.
+            double offset = spacing;
+            Vec3d centre;
+            for (int halvings = 0; halvings < 4; ++halvings, offset /= 2) {
+                centre = points_[i] + side * offset * normals_[i];
+                tree_.nearest(centre, 1, seen);
+                if (seen[0].point == static_cast<std::int32_t>(i)) break;
+            }
+            centres.push_back(centre);
+            values.push_back((centre - points_[i]).dot(normals_[i]));
         }
     }
+    const Eigen::Map<const Eigen::VectorXd> right_side(values.data(),
+                                                       static_cast<Eigen::Index>(values.size()));
     centres_ = PointTree(centres);
     std::vector<Eigen::Triplet<double>> entries;
     for (std::size_t j = 0; j < centres.size(); ++j) {

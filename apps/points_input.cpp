@@ -25,7 +25,7 @@ void add_point_options(CLI::App& app, MeshlessOptions& options) {
 CheckedPoints read_checked_points(const Input& input, int neighbours) {
     const PointCloud cloud = input.kind == Input::Kind::SampleMesh
                                  ? vertices_of(check(sample_mesh(input.name)))
-                                 : read_points(input.name);
+                                 : read_cloud(input.name);
     try {
         return check(cloud, neighbours);
     } catch (const InputError& error) {

@@ -39,18 +39,18 @@ CheckedPoints check(const PointCloud& cloud, int neighbours);
 /// The vertices of a mesh with angle-weighted normals.
 PointCloud vertices_of(const CheckedMesh& mesh);
 
-/// True for a file name that read_points understands, by its extension.
-bool is_point_file(const std::filesystem::path& path);
-std::string point_file_extensions();
+/// True for a file name that read_cloud understands, by its extension.
+bool is_cloud_file(const std::filesystem::path& path);
+std::string cloud_file_extensions();
 
 /// Reads points as they stand in the file: XYZ (x y z, or x y z nx ny nz, a line), PLY and OBJ with
 /// normals if it has one for each vertex, and the vertices of other meshes. Where a mesh has
 /// triangles but no normals they come from those.
 /// throws  InputError that names the file, the line or element, and the cause
-PointCloud read_points(const std::filesystem::path& path);
+PointCloud read_cloud(const std::filesystem::path& path);
 
 /// Parses XYZ text; '#' begins a comment.
 /// throws  InputError that names the line and the cause
-PointCloud parse_xyz(std::string_view bytes, std::string_view name);
+PointCloud parse_cloud(std::string_view bytes, std::string_view name);
 
 } // namespace isocast

@@ -22,15 +22,15 @@ std::string extension_of(const std::filesystem::path& path) {
 
 } // namespace
 
-bool is_point_file(const std::filesystem::path& path) {
+bool is_cloud_file(const std::filesystem::path& path) {
     return extension_of(path) == ".xyz" || is_mesh_file(path);
 }
 
-std::string point_file_extensions() {
+std::string cloud_file_extensions() {
     return ".xyz, " + mesh_file_extensions();
 }
 
-PointCloud parse_xyz(std::string_view bytes, std::string_view name) {
+PointCloud parse_cloud(std::string_view bytes, std::string_view name) {
     static constexpr std::array<std::string_view, 6> whats = {"x", "y", "z", "nx", "ny", "nz"};
     TextScanner scanner(bytes, name, {.hash_comments = true});
     PointCloud cloud;
@@ -53,14 +53,14 @@ PointCloud parse_xyz(std::string_view bytes, std::string_view name) {
     return cloud;
 }
 
-PointCloud read_points(const std::filesystem::path& path) {
+PointCloud read_cloud(const std::filesystem::path& path) {
     const std::string extension = extension_of(path);
-    if (!is_point_file(path))
+    if (!is_cloud_file(path))
         throw InputError(fmt::format("{}: unknown format '{}' of points (known: {})", path.string(),
-                                     extension, point_file_extensions()));
+                                     extension, cloud_file_extensions()));
     PointCloud cloud;
     if (extension == ".xyz") {
-        cloud = parse_xyz(read_whole(path), path.string());
+        cloud = parse_cloud(read_whole(path), path.string());
     } else if (extension == ".obj" || extension == ".ply") {
         std::vector<Vec3d> normals;
         const std::string bytes = read_whole(path);

@@ -90,7 +90,7 @@ TEST(Meshless, InterpolatesThePoints) {
 
 TEST(Meshless, InterpolatesTheBunny) {
     if (!std::filesystem::exists(shared_data("bunny-closed.obj"))) GTEST_SKIP() << "no bunny";
-    EXPECT_LT(worst_at_points(meshless_of(read_points(shared_data("bunny-closed.obj")))), 1e-10);
+    EXPECT_LT(worst_at_points(meshless_of(read_cloud(shared_data("bunny-closed.obj")))), 1e-10);
 }
 
 // What the solver leaves of the right side, 1e-9 of the spacing of about 0.08.

@@ -20,7 +20,7 @@ struct PointFiles : testing::Test {
     TemporaryFolder folder;
     PointCloud read(const std::string& name, const std::string& text) {
         std::ofstream(folder / name, std::ios::binary) << text;
-        return read_points(folder / name);
+        return read_cloud(folder / name);
     }
     std::string error(const std::string& name, const std::string& text) {
         return message_of<InputError>([&] { read(name, text); });
@@ -44,15 +44,15 @@ TEST_F(PointFiles, VariantsGiveTheSamePoints) {
         }
     }
     for (const char* name : {"b.xyz", "d.obj", "f.ply"})
-        EXPECT_EQ(read_points(folder / name).normals.size(), 2u) << name;
+        EXPECT_EQ(read_cloud(folder / name).normals.size(), 2u) << name;
     for (const char* name : {"a.xyz", "c.obj", "e.ply"})
-        EXPECT_TRUE(read_points(folder / name).normals.empty()) << name;
+        EXPECT_TRUE(read_cloud(folder / name).normals.empty()) << name;
 }
 
 TEST_F(PointFiles, MeshesGiveTheirVerticesAndNormals) {
     for (const char* name : {"a.obj", "a.ply", "a.off"}) {
         write_mesh(octahedron(), folder / name);
-        const PointCloud cloud = read_points(folder / name);
+        const PointCloud cloud = read_cloud(folder / name);
         ASSERT_EQ(cloud.points_world.size(), 6u);
         for (std::size_t i = 0; i < 6; ++i) // by symmetry, to some roundings
             EXPECT_LT((cloud.normals[i].normalized() - cloud.points_world[i]).norm(), 1e-15);

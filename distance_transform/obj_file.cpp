@@ -1,4 +1,4 @@
-// Parses Wavefront OBJ: positions (v) and faces (f); everything else is skipped.
+// Parses Wavefront OBJ: positions (v), faces (f) and, of points, normals (vn); the rest is skipped.
 // SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/mesh_parsers.h"
 #include "distance_transform/text_scanner.h"

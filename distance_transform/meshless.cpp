@@ -266,7 +266,7 @@ void Meshless::solve_constants() {
     Matrix matrix(count, count);
     matrix.reserve(
         Eigen::VectorXi::Constant(static_cast<Eigen::Index>(count), options_.neighbours));
-    double least_spacing = std::numeric_limits<double>::infinity();
+    double spacing = 0; // mean distance to the nearest other point
     for (std::size_t j = 0; j < count; ++j) {
         for (std::size_t i = 0; i < width; ++i) {
             const double weight = row_weights[j * width + i];
@@ -274,11 +274,11 @@ void Meshless::solve_constants() {
                 matrix.insert(static_cast<Eigen::Index>(j), neighbours[j * width + i].point) =
                     weight + (i == 0 ? options_.approximation : 0);
         }
-        least_spacing =
-            std::min(least_spacing, std::sqrt(neighbours[j * width + 1].squared_distance));
+        spacing +=
+            std::sqrt(neighbours[j * width + 1].squared_distance) / static_cast<double>(count);
     }
     matrix.makeCompressed();
-    const Eigen::VectorXd solution = solved(matrix, right_side, 1e-11 * least_spacing);
+    const Eigen::VectorXd solution = solved(matrix, right_side, 1e-11 * spacing);
     std::ranges::copy(solution, constants_.begin());
 }
 

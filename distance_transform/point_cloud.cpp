@@ -25,29 +25,46 @@ bool has_usable_normals(const PointCloud& cloud) {
     });
 }
 
-/// Drops every point at the position of an earlier one.
-std::size_t merge_duplicates(PointCloud& cloud) {
-    const std::vector<Vec3d>& points = cloud.points_world;
+void keep_only(PointCloud& cloud, const std::vector<char>& keep) {
+    PointCloud kept;
+    for (std::size_t i = 0; i < keep.size(); ++i) {
+        if (!keep[i]) continue;
+        kept.points_world.push_back(cloud.points_world[i]);
+        if (!cloud.normals.empty()) kept.normals.push_back(cloud.normals[i]);
+    }
+    cloud = std::move(kept);
+}
+
+/// Points at the position of no earlier one.
+std::vector<char> first_at_positions(const std::vector<Vec3d>& points) {
     std::vector<std::size_t> order(points.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
-    const auto key = [&](std::size_t i) {
-        return std::tuple(points[i].x(), points[i].y(), points[i].z());
-    };
-    std::ranges::sort(order, [&](std::size_t a, std::size_t b) {
-        return std::tuple(key(a), a) < std::tuple(key(b), b);
+    std::ranges::sort(order, {}, [&](std::size_t i) {
+        return std::tuple(points[i].x(), points[i].y(), points[i].z(), i);
     });
     std::vector<char> keep(points.size(), 1);
     for (std::size_t i = 1; i < order.size(); ++i)
         keep[order[i]] = points[order[i]] != points[order[i - 1]];
-    PointCloud kept;
+    return keep;
+}
+
+/// Points that keep their distance from all earlier ones. Two that nearly coincide ask for
+/// whatever slope joins them, and from 1e-4 of a spacing on their equations are lost in rounding.
+std::vector<char> apart_from_earlier(const std::vector<Vec3d>& points, int neighbours) {
+    constexpr double least = 1e-3; // of the distance to the last neighbour
+    const PointTree tree(points);
+    std::vector<Neighbour> seen;
+    std::vector<char> keep(points.size(), 1);
     for (std::size_t i = 0; i < points.size(); ++i) {
-        if (!keep[i]) continue;
-        kept.points_world.push_back(points[i]);
-        if (!cloud.normals.empty()) kept.normals.push_back(cloud.normals[i]);
+        tree.nearest(points[i], static_cast<std::size_t>(neighbours) + 1, seen);
+        for (const Neighbour& n : seen) {
+            const auto j = static_cast<std::size_t>(n.point);
+            if (j < i && keep[j] &&
+                n.squared_distance < least * least * seen.back().squared_distance)
+                keep[i] = 0;
+        }
     }
-    const std::size_t dropped = points.size() - kept.points_world.size();
-    cloud = std::move(kept);
-    return dropped;
+    return keep;
 }
 
 /// The farthest of m others that face the point's way is as far as a disc reaches that holds the
@@ -73,10 +90,12 @@ CheckedPoints check(const PointCloud& given, int neighbours) {
     for (std::size_t i = 0; i < cloud.points_world.size(); ++i)
         if (!cloud.points_world[i].allFinite())
             throw InputError(fmt::format("point {} is not finite", i));
-    if (const std::size_t dropped = merge_duplicates(cloud); dropped > 0)
-        result.warnings.push_back(
-            fmt::format("{} points at the position of another were dropped.", dropped));
+    keep_only(cloud, first_at_positions(cloud.points_world));
+    keep_only(cloud, apart_from_earlier(cloud.points_world, neighbours));
     const std::size_t count = cloud.points_world.size();
+    if (const std::size_t dropped = given.points_world.size() - count; dropped > 0)
+        result.warnings.push_back(
+            fmt::format("{} points at or next to the position of another were dropped.", dropped));
     if (neighbours < 1 || count < static_cast<std::size_t>(neighbours) + 1)
         throw InputError(fmt::format("{} points are too few to look at {} neighbours of each",
                                      count, neighbours));

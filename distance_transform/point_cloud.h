@@ -29,8 +29,8 @@ struct CheckedPoints {
     std::vector<std::string> warnings;
 };
 
-/// Examines and cleans a cloud: one point per position, normals of unit length, estimated and
-/// oriented where any is missing.
+/// Examines and cleans a cloud: no two points at nearly one position, normals of unit length,
+/// estimated and oriented where any is missing.
 ///
 /// neighbours  that normals and spacings are taken from, and that the transform will look at
 /// throws      InputError if points are too few, not finite, or all on a line

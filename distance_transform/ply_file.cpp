@@ -229,15 +229,15 @@ Layout layout_of(const Header& header, std::string_view name, bool with_normals)
     static constexpr std::array<std::string_view, 2> lists = {"vertex_indices", "vertex_index"};
     Layout layout;
     layout.vertex = &find_element(header, "vertex", name);
+    const bool is_mesh =
+        !with_normals ||
+        std::ranges::find(header.elements, "face", &Element::name) != header.elements.end();
+    if (is_mesh) layout.face = &find_element(header, "face", name);
     const bool has_normals = with_normals && has_number(*layout.vertex, "nx");
     for (std::size_t k = 0; k < (has_normals ? 6 : 3); ++k)
         layout.numbers.push_back(
             find_property(*layout.vertex, std::span(&numbers[k], 1), false, name));
-    if (with_normals &&
-        std::ranges::find(header.elements, "face", &Element::name) == header.elements.end())
-        return layout;
-    layout.face = &find_element(header, "face", name);
-    layout.corners = find_property(*layout.face, lists, true, name);
+    if (is_mesh) layout.corners = find_property(*layout.face, lists, true, name);
     return layout;
 }
 

@@ -105,16 +105,11 @@ void check_command(const ConvertCommand& command) {
     if (command.closest && (command.method != Method::Prism || command.extend != Extend::None ||
                             command.prism != PrismKind::Exact))
         throw UsageError("--closest goes with the default method and no --extend");
-    const bool is_points = command.method == Method::Points;
-    if (is_points &&
+    if (command.method != Method::Points && command.meshless != MeshlessOptions{})
+        throw UsageError("--neighbours, --point-method, --approximation need --method points");
+    if (command.method == Method::Points &&
         (command.extend != Extend::None || command.sign != SignMethod::Auto || command.repair))
         throw UsageError("--method points has no --extend, --sign or --repair");
-    if (!is_points && command.meshless != MeshlessOptions{})
-        throw UsageError("--neighbours, --point-method, --approximation need --method points");
-}
-
-std::vector<std::string> output_extensions() {
-    return {".vdb", ".nrrd", ".mhd", ".vti"};
 }
 
 /// Makes its context when a band is to be scanned, and gives it up after.
@@ -262,7 +257,7 @@ ConvertReport mesh_job(const ConvertCommand& command, const Job& job, const Inpu
 ConvertReport run_job(const ConvertCommand& command, const Job& job, Console& console) {
     const Stopwatch total;
     const Input input = input_from(job.input);
-    if (!command.dry_run) check_output(job.output, output_extensions());
+    if (!command.dry_run) check_output(job.output, {".vdb", ".nrrd", ".mhd", ".vti"});
     const Progress progress = console.progress();
     progress("reading", 0);
     ConvertReport report = command.method == Method::Points
@@ -341,8 +336,8 @@ void add_method_options(CLI::App& app, ConvertCommand& command) {
                                               {"kdtree", Method::KdTree},
                                               {"points", Method::Points}});
         },
-        "prism (default), csc (reference, one thread), kdtree (every sample of the box), points "
-        "(of the points alone, or a mesh's vertices)")
+        "prism (default), csc (reference, one thread), kdtree (every sample), points (vertices "
+        "alone)")
         ->type_name("METHOD");
     add_point_options(app, command.meshless);
     add_parsed(
@@ -379,8 +374,7 @@ Verb convert_verb(CLI::App& program, std::vector<std::filesystem::path> shader_f
     const auto command = std::make_shared<ConvertCommand>();
     command->shader_folders = std::move(shader_folders);
     app->add_option("IN", command->inputs,
-                    "Mesh files (.obj .ply .stl .off) or mesh:NAME; with --method "
-                    "points also points (.xyz)")
+                    "Mesh files (.obj .ply .stl .off) or mesh:NAME; points: also .xyz")
         ->required();
     app->add_option("-o,--output", command->output, "Field to write (.vdb; dense: .nrrd .mhd .vti)")
         ->type_name("FILE");

@@ -13,21 +13,27 @@ namespace isocast {
 
 namespace {
 
-/// Of one thread, from triangles in memory to the field: what bench_convert measures on a virtual
-/// EPYC, 1 us a triangle and 20 ns a sample.
+/// From triangles or points in memory to the field: what bench_convert and bench_points measure on
+/// a virtual EPYC with one thread, 1 us a triangle and 20 ns a sample; 20 us a point, of which no
+/// other thread takes a part, and 5 us a sample.
 double expected_seconds(const ConvertReport& report, std::size_t threads) {
-    constexpr double seconds_per_triangle = 1e-6;
-    constexpr double seconds_per_sample = 2e-8;
-    return (seconds_per_triangle * report.verdict.triangles +
-            seconds_per_sample * report.expected->active_voxels) /
-           static_cast<double>(std::max<std::size_t>(threads, 1));
+    const double samples = report.expected->active_voxels;
+    const auto shared = static_cast<double>(std::max<std::size_t>(threads, 1));
+    if (report.points)
+        return 2e-5 * static_cast<double>(report.points->count) + 5e-6 * samples / shared;
+    return (1e-6 * report.verdict.triangles + 2e-8 * samples) / shared;
 }
 
 } // namespace
 
 void print(const ConvertReport& report, std::size_t threads) {
-    fmt::print("{}: {} triangles, {}\n", report.input, report.verdict.triangles,
-               report.verdict.summary());
+    if (report.points)
+        fmt::print("{}: {} points {:.4g} apart, normals {}\n", report.input, report.points->count,
+                   report.points->median_spacing_world,
+                   report.points->normals_given ? "given" : "estimated");
+    else
+        fmt::print("{}: {} triangles, {}\n", report.input, report.verdict.triangles,
+                   report.verdict.summary());
     if (report.expected) {
         constexpr double mebibyte = 0x1p20;
         fmt::print("about {:.3g} active voxels of {:.6g}, {:.4g} MiB of field, {:.4g} MiB at most, "
@@ -48,12 +54,21 @@ void print(const ConvertReport& report, std::size_t threads) {
 }
 
 nlohmann::ordered_json to_json(const ConvertReport& report, std::size_t threads) {
-    nlohmann::ordered_json json = {{"input", report.input},
-                                   {"output", report.output.string()},
-                                   {"triangles", report.verdict.triangles},
-                                   {"verdict", to_json(report.verdict)},
-                                   {"voxel_size", report.options.voxel_size_world},
-                                   {"half_width_voxels", report.options.half_width_voxels}};
+    nlohmann::ordered_json json = {{"input", report.input}, {"output", report.output.string()}};
+    if (report.points) {
+        const ConvertReport::Points& points = *report.points;
+        json["points"] = points.count;
+        json["normals"] = points.normals_given ? "given" : "estimated";
+        json["spacing"] = points.median_spacing_world;
+        json["point_method"] = name_of(points.meshless.method);
+        json["neighbours"] = points.meshless.neighbours;
+        json["approximation"] = points.meshless.approximation;
+    } else {
+        json["triangles"] = report.verdict.triangles;
+        json["verdict"] = to_json(report.verdict);
+    }
+    json["voxel_size"] = report.options.voxel_size_world;
+    json["half_width_voxels"] = report.options.half_width_voxels;
     if (report.expected) {
         json["expected"] = {{"active_voxels", report.expected->active_voxels},
                             {"field_bytes", report.expected->field_bytes},

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "distance_transform/convert.h"
+#include "distance_transform/meshless.h"
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -26,6 +27,13 @@ struct ConvertReport {
         double write = 0;
         double total = 0;
     } seconds = {};
+    struct Points {
+        std::size_t count = 0;
+        bool normals_given = false;
+        double median_spacing_world = 0;
+        MeshlessOptions meshless;
+    };
+    std::optional<Points> points = {};            // instead of the verdict
     std::optional<ConvertEstimate> expected = {}; // instead of a conversion
     std::vector<std::string> warnings = {};
 

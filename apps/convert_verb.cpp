@@ -6,6 +6,7 @@
 #include "apps/inputs.h"
 #include "apps/mesh_repair.h"
 #include "apps/parsed_option.h"
+#include "apps/points_input.h"
 #include "apps/verdict_json.h"
 #include "distance_transform/convert.h"
 #include "distance_transform/gl/scan_on_gpu.h"
@@ -24,7 +25,7 @@ namespace isocast {
 
 namespace {
 
-enum class Method { Prism, Csc, KdTree };
+enum class Method { Prism, Csc, KdTree, Points };
 enum class PrismKind { Exact, Printed };
 enum class Extend { None, Full, Exact };
 enum class Device { Cpu, Gl };
@@ -50,6 +51,7 @@ struct ConvertCommand {
     std::optional<double> band_world;
     SignMethod sign = SignMethod::Auto;
     Method method = Method::Prism;
+    MeshlessOptions meshless;
     PrismKind prism = PrismKind::Exact;
     Extend extend = Extend::None;
     Device device = Device::Cpu;
@@ -103,10 +105,11 @@ void check_command(const ConvertCommand& command) {
     if (command.closest && (command.method != Method::Prism || command.extend != Extend::None ||
                             command.prism != PrismKind::Exact))
         throw UsageError("--closest goes with the default method and no --extend");
-}
-
-std::vector<std::string> output_extensions() {
-    return {".vdb", ".nrrd", ".mhd", ".vti"};
+    if (command.method != Method::Points && command.meshless != MeshlessOptions{})
+        throw UsageError("--neighbours, --point-method, --approximation need --method points");
+    if (command.method == Method::Points &&
+        (command.extend != Extend::None || command.sign != SignMethod::Auto || command.repair))
+        throw UsageError("--method points has no --extend, --sign or --repair");
 }
 
 /// Makes its context when a band is to be scanned, and gives it up after.
@@ -123,7 +126,7 @@ BandScanner gpu_scanner(const std::vector<std::filesystem::path>& shader_folders
     };
 }
 
-ConvertOptions options_for(const ConvertCommand& command, const CheckedMesh& mesh) {
+ConvertOptions options_for(const ConvertCommand& command, const WorldBox& box) {
     ConvertOptions options{.sign = command.sign,
                            .method = command.method == Method::Csc ? BandMethod::Csc
                                      : command.prism == PrismKind::Exact
@@ -131,10 +134,9 @@ ConvertOptions options_for(const ConvertCommand& command, const CheckedMesh& mes
                                          : BandMethod::PrintedPrisms,
                            .closest = command.closest,
                            .memory_bytes = command.memory_bytes};
-    options.voxel_size_world =
-        command.voxel_size_world
-            ? *command.voxel_size_world
-            : voxel_size_for_resolution(bounding_box(mesh.mesh), command.resolution);
+    options.voxel_size_world = command.voxel_size_world
+                                   ? *command.voxel_size_world
+                                   : voxel_size_for_resolution(box, command.resolution);
     options.half_width_voxels =
         command.band_world ? *command.band_world / options.voxel_size_world : command.band_voxels;
     if (command.device == Device::Gl) options.scanner = gpu_scanner(command.shader_folders);
@@ -199,8 +201,7 @@ void convert_to_full(const ConvertCommand& command, const CheckedMesh& mesh, Con
     report.seconds.write = step.lap();
 }
 
-void convert_to_band(const CheckedMesh& mesh, ConvertReport& report, const Progress& progress) {
-    const ConvertResult result = convert(mesh, report.options, progress);
+void take_band(const ConvertResult& result, ConvertReport& report, const Progress& progress) {
     report.take(result.sign_used, result.sign_reason, result.warnings);
     report.active_voxels = result.field.active_voxel_count();
     report.size = result.field.extent().size();
@@ -212,13 +213,27 @@ void convert_to_band(const CheckedMesh& mesh, ConvertReport& report, const Progr
     report.seconds.write = step.lap();
 }
 
-ConvertReport run_job(const ConvertCommand& command, const Job& job, Console& console) {
-    const Stopwatch total;
-    const Input input = input_from(job.input);
-    if (!command.dry_run) check_output(job.output, output_extensions());
-    const Progress progress = console.progress();
+ConvertReport points_job(const ConvertCommand& command, const Job& job, const Input& input,
+                         const Progress& progress) {
     Stopwatch step;
-    progress("reading", 0);
+    const CheckedPoints points = read_checked_points(input, command.meshless.neighbours);
+    ConvertReport report{.input = job.input,
+                         .output = job.output,
+                         .options = options_for(command, bounding_box(points)),
+                         .points = report_of(points, command.meshless),
+                         .warnings = points.warnings};
+    report.seconds.read = step.lap();
+    if (command.dry_run)
+        report.expected = estimate(points, report.options);
+    else
+        take_band(convert_points(points, report.options, command.meshless, progress), report,
+                  progress);
+    return report;
+}
+
+ConvertReport mesh_job(const ConvertCommand& command, const Job& job, const Input& input,
+                       const Progress& progress) {
+    Stopwatch step;
     CheckedMesh mesh = read_checked_mesh(input);
     if (command.repair) {
         progress("repairing", 0);
@@ -227,7 +242,7 @@ ConvertReport run_job(const ConvertCommand& command, const Job& job, Console& co
     ConvertReport report{.input = job.input,
                          .output = job.output,
                          .verdict = mesh.verdict,
-                         .options = options_for(command, mesh),
+                         .options = options_for(command, bounding_box(mesh.mesh)),
                          .warnings = mesh.warnings};
     report.seconds.read = step.lap();
     if (command.dry_run)
@@ -235,7 +250,19 @@ ConvertReport run_job(const ConvertCommand& command, const Job& job, Console& co
     else if (command.is_dense() || command.extend == Extend::Full)
         convert_to_full(command, mesh, report, progress);
     else
-        convert_to_band(mesh, report, progress);
+        take_band(convert(mesh, report.options, progress), report, progress);
+    return report;
+}
+
+ConvertReport run_job(const ConvertCommand& command, const Job& job, Console& console) {
+    const Stopwatch total;
+    const Input input = input_from(job.input);
+    if (!command.dry_run) check_output(job.output, {".vdb", ".nrrd", ".mhd", ".vti"});
+    const Progress progress = console.progress();
+    progress("reading", 0);
+    ConvertReport report = command.method == Method::Points
+                               ? points_job(command, job, input, progress)
+                               : mesh_job(command, job, input, progress);
     report.seconds.total = total.seconds();
     console.end_progress();
     for (const std::string& warning : report.warnings)
@@ -304,11 +331,15 @@ void add_method_options(CLI::App& app, ConvertCommand& command) {
     add_parsed(
         app, "--method", command.method,
         [](std::string_view text) {
-            return choice_from<Method>(
-                text, {{"prism", Method::Prism}, {"csc", Method::Csc}, {"kdtree", Method::KdTree}});
+            return choice_from<Method>(text, {{"prism", Method::Prism},
+                                              {"csc", Method::Csc},
+                                              {"kdtree", Method::KdTree},
+                                              {"points", Method::Points}});
         },
-        "prism (default), csc (reference, one thread), kdtree (every sample of the box)")
+        "prism (default), csc (reference, one thread), kdtree (every sample), points (vertices "
+        "alone)")
         ->type_name("METHOD");
+    add_point_options(app, command.meshless);
     add_parsed(
         app, "--prism", command.prism,
         [](std::string_view text) {
@@ -342,7 +373,8 @@ Verb convert_verb(CLI::App& program, std::vector<std::filesystem::path> shader_f
     CLI::App* app = program.add_subcommand("convert", "Turn meshes into signed distance fields");
     const auto command = std::make_shared<ConvertCommand>();
     command->shader_folders = std::move(shader_folders);
-    app->add_option("IN", command->inputs, "Mesh files (.obj .ply .stl .off) or mesh:NAME")
+    app->add_option("IN", command->inputs,
+                    "Mesh files (.obj .ply .stl .off) or mesh:NAME; points: also .xyz")
         ->required();
     app->add_option("-o,--output", command->output, "Field to write (.vdb; dense: .nrrd .mhd .vti)")
         ->type_name("FILE");

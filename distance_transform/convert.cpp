@@ -44,24 +44,6 @@ double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-void require_usable(const ConvertOptions& options) {
-    if (!(options.voxel_size_world > 0) || !std::isfinite(options.voxel_size_world))
-        throw InputError(
-            fmt::format("voxel size {} is not a positive number", options.voxel_size_world));
-    if (!(options.half_width_voxels >= 1) || !std::isfinite(options.half_width_voxels))
-        throw InputError(fmt::format("half width {} is below 1 voxel", options.half_width_voxels));
-    const double half_width_world = options.half_width_voxels * options.voxel_size_world;
-    if (!(half_width_world >= std::numeric_limits<float>::min() &&
-          half_width_world <= std::numeric_limits<float>::max()))
-        throw InputError(fmt::format("a half width of {:.3g} is beyond what 32-bit floats hold; "
-                                     "scale the mesh",
-                                     half_width_world));
-    if (options.closest && (options.method != BandMethod::Scan || options.scanner))
-        throw InputError("only scan conversion on the CPU finds closest points");
-    if (options.scanner && options.sign == SignMethod::Unsigned)
-        throw InputError("unsigned distances come from the CPU");
-}
-
 /// Whether rounding to voxels has made one of two neighbouring vertices.
 bool has_merged_vertices(const Mesh& mesh) {
     return std::ranges::any_of(mesh.triangles, [&](const std::array<int, 3>& t) {
@@ -128,6 +110,24 @@ Band reference_band(const LatticeMesh& lattice, const ConvertOptions& options, d
 }
 
 } // namespace
+
+void require_usable(const ConvertOptions& options) {
+    if (!(options.voxel_size_world > 0) || !std::isfinite(options.voxel_size_world))
+        throw InputError(
+            fmt::format("voxel size {} is not a positive number", options.voxel_size_world));
+    if (!(options.half_width_voxels >= 1) || !std::isfinite(options.half_width_voxels))
+        throw InputError(fmt::format("half width {} is below 1 voxel", options.half_width_voxels));
+    const double half_width_world = options.half_width_voxels * options.voxel_size_world;
+    if (!(half_width_world >= std::numeric_limits<float>::min() &&
+          half_width_world <= std::numeric_limits<float>::max()))
+        throw InputError(fmt::format("a half width of {:.3g} is beyond what 32-bit floats hold; "
+                                     "scale the mesh",
+                                     half_width_world));
+    if (options.closest && (options.method != BandMethod::Scan || options.scanner))
+        throw InputError("only scan conversion on the CPU finds closest points");
+    if (options.scanner && options.sign == SignMethod::Unsigned)
+        throw InputError("unsigned distances come from the CPU");
+}
 
 SignMethod sign_method_from_name(std::string_view name) {
     for (const SignName& known : sign_names)

@@ -57,6 +57,9 @@ struct ConvertOptions {
     double memory_bytes = std::numeric_limits<double>::infinity();
 };
 
+/// throws  InputError unless voxel size, half width and method can be used together
+void require_usable(const ConvertOptions& options);
+
 struct ConvertResult {
     SparseField field;
     SignMethod sign_used;

@@ -112,6 +112,20 @@ std::string message_of(int error) {
     return std::generic_category().message(error);
 }
 
+void write_whole(std::span<const char> bytes, const std::filesystem::path& to,
+                 const std::filesystem::path& named) {
+    const auto fail = [&] {
+        throw ResourceError(fmt::format("{}: cannot write: {}", named.string(), message_of(errno)));
+    };
+    File file(std::fopen(to.c_str(), "wb"));
+    if (!file) fail();
+    if (std::fwrite(bytes.data(), 1, bytes.size(), file.get()) != bytes.size()) fail();
+    // A full disk may show only when the buffer is flushed.
+    if (std::fclose(file.release()) != 0) fail();
+}
+
+} // namespace
+
 std::string read_whole(const std::filesystem::path& path) {
     if (std::filesystem::is_directory(path))
         throw InputError(fmt::format("{}: is a directory", path.string()));
@@ -131,20 +145,6 @@ std::string read_whole(const std::filesystem::path& path) {
     if (bytes.empty()) throw InputError(fmt::format("{}: the file is empty", path.string()));
     return bytes;
 }
-
-void write_whole(std::span<const char> bytes, const std::filesystem::path& to,
-                 const std::filesystem::path& named) {
-    const auto fail = [&] {
-        throw ResourceError(fmt::format("{}: cannot write: {}", named.string(), message_of(errno)));
-    };
-    File file(std::fopen(to.c_str(), "wb"));
-    if (!file) fail();
-    if (std::fwrite(bytes.data(), 1, bytes.size(), file.get()) != bytes.size()) fail();
-    // A full disk may show only when the buffer is flushed.
-    if (std::fclose(file.release()) != 0) fail();
-}
-
-} // namespace
 
 void append_fan(Mesh& mesh, std::span<const int> polygon) {
     for (std::size_t k = 2; k < polygon.size(); ++k)
@@ -169,8 +169,9 @@ Mesh read_mesh(const std::filesystem::path& path) {
     const std::string bytes = read_whole(path);
     Mesh mesh = format.parse(bytes, path.string());
     if (mesh.triangles.empty())
-        throw InputError(fmt::format("{}: no triangles ({} vertices)", path.string(),
-                                     mesh.vertices_world.size()));
+        throw InputError(fmt::format("{}: no triangles ({} vertices); convert --method points "
+                                     "takes points",
+                                     path.string(), mesh.vertices_world.size()));
     return mesh;
 }
 

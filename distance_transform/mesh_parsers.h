@@ -4,7 +4,9 @@
 
 #include "distance_transform/mesh.h"
 
+#include <filesystem>
 #include <span>
+#include <string>
 #include <string_view>
 
 namespace isocast {
@@ -16,6 +18,15 @@ Mesh parse_obj(std::string_view bytes, std::string_view name);
 Mesh parse_ply(std::string_view bytes, std::string_view name);
 Mesh parse_stl(std::string_view bytes, std::string_view name);
 Mesh parse_off(std::string_view bytes, std::string_view name);
+
+/// The same for points: no faces are needed, and normals of the vertices are told, if any
+/// (OBJ: all `vn`, which may be for corners of faces instead).
+Mesh parse_obj(std::string_view bytes, std::string_view name, std::vector<Vec3d>* vertex_normals);
+Mesh parse_ply(std::string_view bytes, std::string_view name, std::vector<Vec3d>* vertex_normals);
+
+/// The bytes of a file.
+/// throws  InputError that names it and the cause: missing, a directory, empty, …
+std::string read_whole(const std::filesystem::path& path);
 
 /// Appends `polygon` (three corners or more) cut into a fan about its first corner.
 void append_fan(Mesh& mesh, std::span<const int> polygon);

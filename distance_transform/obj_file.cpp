@@ -1,4 +1,4 @@
-// Parses Wavefront OBJ: positions (v) and faces (f); everything else is skipped.
+// Parses Wavefront OBJ: positions (v), faces (f) and, of points, normals (vn); the rest is skipped.
 // SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/mesh_parsers.h"
 #include "distance_transform/text_scanner.h"
@@ -36,7 +36,7 @@ std::int64_t corner_index(const TextScanner& scanner, std::string_view corner,
 
 } // namespace
 
-Mesh parse_obj(std::string_view bytes, std::string_view name) {
+Mesh parse_obj(std::string_view bytes, std::string_view name, std::vector<Vec3d>* normals) {
     TextScanner scanner(bytes, name, {.hash_comments = true, .backslash_continuation = true});
     Mesh mesh;
     HighestIndex highest;
@@ -44,11 +44,11 @@ Mesh parse_obj(std::string_view bytes, std::string_view name) {
     std::int64_t faces = 0;
     for (; !scanner.is_at_end(); scanner.next_line()) {
         const std::string_view keyword = scanner.token_on_line();
-        if (keyword == "v") {
+        if (keyword == "v" || (keyword == "vn" && normals)) {
             const double x = scanner.number_on_line("x");
             const double y = scanner.number_on_line("y");
             const double z = scanner.number_on_line("z");
-            mesh.vertices_world.emplace_back(x, y, z);
+            (keyword == "v" ? mesh.vertices_world : *normals).emplace_back(x, y, z);
         } else if (keyword == "f") {
             ++faces;
             polygon.clear();
@@ -69,6 +69,10 @@ Mesh parse_obj(std::string_view bytes, std::string_view name) {
             "{}: line {}: vertex index {} of face {} is out of range: there are {} vertices", name,
             highest.line, highest.index + 1, highest.face, mesh.vertices_world.size()));
     return mesh;
+}
+
+Mesh parse_obj(std::string_view bytes, std::string_view name) {
+    return parse_obj(bytes, name, nullptr);
 }
 
 } // namespace isocast

@@ -181,8 +181,8 @@ private:
 /// Where the parts of the mesh stand in the header.
 struct Layout {
     const Element* vertex = nullptr;
-    const Element* face = nullptr;
-    std::array<std::size_t, 3> xyz{};
+    const Element* face = nullptr;    // absent from a file of points
+    std::vector<std::size_t> numbers; // where x, y, z, and nx, ny, nz if there are any, stand
     std::size_t corners = 0;
 };
 
@@ -197,8 +197,10 @@ const Element& find_element(const Header& header, std::string_view wanted, std::
         found = &element;
     }
     if (!found)
-        throw InputError(fmt::format("{}: the header has no element '{}' (has: {})", name, wanted,
-                                     fmt::join(present, ", ")));
+        throw InputError(
+            fmt::format("{}: the header has no element '{}' (has: {}){}", name, wanted,
+                        fmt::join(present, ", "),
+                        wanted == "face" ? "; convert --method points takes points" : ""));
     return *found;
 }
 
@@ -216,15 +218,26 @@ std::size_t find_property(const Element& element, std::span<const std::string_vi
                                  is_list ? "list" : "number", wanted[0], fmt::join(present, ", ")));
 }
 
-Layout layout_of(const Header& header, std::string_view name) {
-    static constexpr std::array<std::string_view, 3> axes = {"x", "y", "z"};
+bool has_number(const Element& element, std::string_view wanted) {
+    return std::ranges::any_of(element.properties, [&](const Property& property) {
+        return property.name == wanted && !property.count_type;
+    });
+}
+
+Layout layout_of(const Header& header, std::string_view name, bool with_normals) {
+    static constexpr std::array<std::string_view, 6> numbers = {"x", "y", "z", "nx", "ny", "nz"};
     static constexpr std::array<std::string_view, 2> lists = {"vertex_indices", "vertex_index"};
     Layout layout;
     layout.vertex = &find_element(header, "vertex", name);
-    layout.face = &find_element(header, "face", name);
-    for (std::size_t k = 0; k < 3; ++k)
-        layout.xyz[k] = find_property(*layout.vertex, std::span(&axes[k], 1), false, name);
-    layout.corners = find_property(*layout.face, lists, true, name);
+    const bool is_mesh =
+        !with_normals ||
+        std::ranges::find(header.elements, "face", &Element::name) != header.elements.end();
+    if (is_mesh) layout.face = &find_element(header, "face", name);
+    const bool has_normals = with_normals && has_number(*layout.vertex, "nx");
+    for (std::size_t k = 0; k < (has_normals ? 6 : 3); ++k)
+        layout.numbers.push_back(
+            find_property(*layout.vertex, std::span(&numbers[k], 1), false, name));
+    if (is_mesh) layout.corners = find_property(*layout.face, lists, true, name);
     return layout;
 }
 
@@ -255,21 +268,23 @@ void skip_property(Values& values, const Property& property, const Place& where)
 }
 
 template<class Values>
-Vec3d read_vertex(Values& values, const Layout& layout, const Place& where) {
-    Vec3d position = Vec3d::Zero();
+void read_vertex(Values& values, const Layout& layout, std::vector<Vec3d>& positions,
+                 std::vector<Vec3d>& normals, const Place& where) {
+    std::array<double, 6> numbers{};
     for (std::size_t i = 0; i < layout.vertex->properties.size(); ++i) {
         const Property& property = layout.vertex->properties[i];
-        const auto axis = std::find(layout.xyz.begin(), layout.xyz.end(), i);
-        if (axis == layout.xyz.end()) {
+        const auto wanted = std::ranges::find(layout.numbers, i);
+        if (wanted == layout.numbers.end()) {
             skip_property(values, property, where);
             continue;
         }
-        const double coordinate = values.next(property.type);
-        if (!std::isfinite(coordinate))
+        const double number = values.next(property.type);
+        if (!std::isfinite(number))
             throw InputError(fmt::format("{}: {} is not finite", where.text(), property.name));
-        position[axis - layout.xyz.begin()] = coordinate;
+        numbers[static_cast<std::size_t>(wanted - layout.numbers.begin())] = number;
     }
-    return position;
+    positions.emplace_back(numbers[0], numbers[1], numbers[2]);
+    if (layout.numbers.size() > 3) normals.emplace_back(numbers[3], numbers[4], numbers[5]);
 }
 
 template<class Values>
@@ -297,11 +312,13 @@ void read_face(Values& values, const Layout& layout, std::vector<int>& polygon,
 }
 
 template<class Values>
-Mesh read_body(Values values, const Header& header, std::string_view name) {
-    const Layout layout = layout_of(header, name);
+Mesh read_body(Values values, const Header& header, std::string_view name,
+               std::vector<Vec3d>* vertex_normals) {
+    const Layout layout = layout_of(header, name, vertex_normals != nullptr);
     if (layout.vertex->count > std::numeric_limits<int>::max())
         throw InputError(fmt::format("{}: {} vertices are too many", name, layout.vertex->count));
     Mesh mesh;
+    std::vector<Vec3d> normals;
     std::vector<int> polygon;
     for (const Element& element : header.elements) {
         if (element.properties.empty()) continue; // takes no space, however many there are
@@ -310,7 +327,7 @@ Mesh read_body(Values values, const Header& header, std::string_view name) {
             for (; i < element.count; ++i) {
                 const Place where{name, element.name, i};
                 if (&element == layout.vertex) {
-                    mesh.vertices_world.push_back(read_vertex(values, layout, where));
+                    read_vertex(values, layout, mesh.vertices_world, normals, where);
                 } else if (&element == layout.face) {
                     read_face(values, layout, polygon, where);
                     append_fan(mesh, polygon);
@@ -324,19 +341,25 @@ Mesh read_body(Values values, const Header& header, std::string_view name) {
                                          element.count, element.name));
         }
     }
+    if (vertex_normals) *vertex_normals = std::move(normals);
     return mesh;
 }
 
 } // namespace
 
-Mesh parse_ply(std::string_view bytes, std::string_view name) {
+Mesh parse_ply(std::string_view bytes, std::string_view name, std::vector<Vec3d>* vertex_normals) {
     TextScanner scanner(bytes, name, {});
     const Header header = read_header(scanner);
-    if (header.format == Format::Text) return read_body(TextValues(scanner), header, name);
+    if (header.format == Format::Text)
+        return read_body(TextValues(scanner), header, name, vertex_normals);
     const bool is_little = header.format == Format::LittleEndian;
     const bool swap = is_little != (std::endian::native == std::endian::little);
     return read_body(BinaryValues(bytes.substr(std::min(scanner.position(), bytes.size())), swap),
-                     header, name);
+                     header, name, vertex_normals);
+}
+
+Mesh parse_ply(std::string_view bytes, std::string_view name) {
+    return parse_ply(bytes, name, nullptr);
 }
 
 } // namespace isocast

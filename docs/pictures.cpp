@@ -1,11 +1,12 @@
 // docs_pictures FOLDER: the slices, and the prisms as meshes, of distance_transform.md.
 // SPDX-License-Identifier: MPL-2.0
+#include "docs/slice.h"
+
 #include "distance_transform/convert.h"
 #include "distance_transform/kd_dense.h"
 #include "distance_transform/mesh_files.h"
 #include "distance_transform/prism.h"
 #include "distance_transform/sample_meshes.h"
-#include "raycaster/image_files.h"
 
 #include <fmt/format.h>
 
@@ -16,7 +17,6 @@
 namespace {
 
 using namespace isocast;
-using Colour = Eigen::Vector3f; // sRGB
 
 Vec3d ring_point(double degrees, double radius, double z) {
     const double angle = degrees * std::numbers::pi / 180;
@@ -69,41 +69,6 @@ void write_prisms(const Mesh& mesh, Gaps gaps, const std::filesystem::path& path
     write_mesh(all, path);
 }
 
-/// A canvas over the samples `box`, which is one sample thick in z, with y upwards.
-class Slice {
-public:
-    explicit Slice(const IndexBox& box)
-        : box_(box), image_{.width = box.size().x(), .height = box.size().y(), .rgba = {}} {
-        image_.rgba.assign(4 * static_cast<std::size_t>(box.sample_count()), 1.0f);
-    }
-    const IndexBox& box() const { return box_; }
-    void set(const Index3& sample, const Colour& colour) {
-        const int row = box_.hi.y() - 1 - sample.y();
-        const auto pixel = static_cast<std::size_t>(row * image_.width + sample.x() - box_.lo.x());
-        for (int k = 0; k < 3; ++k) // write_png wants linear light
-            image_.rgba[4 * pixel + k] = std::pow((colour[k] + 0.055f) / 1.055f, 2.4f);
-    }
-    const Image& image() const { return image_; }
-
-private:
-    IndexBox box_;
-    Image image_;
-};
-
-/// Left and right with a white gap between.
-Image beside(const Image& left, const Image& right) {
-    constexpr int gap = 16;
-    Image both{.width = left.width + gap + right.width, .height = left.height, .rgba = {}};
-    for (int y = 0; y < both.height; ++y) {
-        const float* l = left.pixel(0, y);
-        const float* r = right.pixel(0, y);
-        both.rgba.insert(both.rgba.end(), l, l + 4 * left.width);
-        both.rgba.insert(both.rgba.end(), 4 * gap, 1.0f);
-        both.rgba.insert(both.rgba.end(), r, r + 4 * right.width);
-    }
-    return both;
-}
-
 /// The samples at height z of a square `width` wide around the middle of the mesh.
 IndexBox slice_box(const CheckedMesh& mesh, double voxel, double z_world, int width) {
     const WorldBox box = bounding_box(mesh.mesh);
@@ -112,17 +77,6 @@ IndexBox slice_box(const CheckedMesh& mesh, double voxel, double z_world, int wi
                     static_cast<int>(middle.y()) - width / 2,
                     static_cast<int>(std::floor(z_world / voxel)));
     return {lo, lo + Index3(width, width, 1)};
-}
-
-/// Blue inside, orange outside, in stripes of equal distance that fade away from the surface.
-Colour distance_colour(double voxels) {
-    constexpr double stripe = 5; // voxels
-    const double distance = std::abs(voxels);
-    if (distance < 0.8) return Colour::Zero();
-    const Colour hue = voxels < 0 ? Colour(0.10f, 0.38f, 0.75f) : Colour(0.95f, 0.50f, 0.10f);
-    const auto fade = static_cast<float>(std::exp(-distance / 60));
-    const float shade = static_cast<int>(distance / stripe) % 2 == 0 ? 1.0f : 0.84f;
-    return shade * (fade * hue + (1 - fade) * (0.25f * hue + Colour::Constant(0.75f)));
 }
 
 void draw(const FieldSource& field, double voxel, double background_voxels, Slice& slice) {

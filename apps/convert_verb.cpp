@@ -363,10 +363,11 @@ void add_method_options(CLI::App& app, ConvertCommand& command) {
                                               {"kdtree", Method::KdTree},
                                               {"points", Method::Points}});
         },
-        "prism (default), csc (reference, one thread), kdtree (every sample), points (vertices "
-        "alone)")
+        "prism (default), csc (reference, one thread), kdtree (every sample), octree (adaptive), "
+        "points (vertices alone)")
         ->type_name("METHOD");
     add_point_options(app, command.meshless);
+    add_octree_options(app, command.octree);
     add_parsed(
         app, "--prism", command.prism,
         [](std::string_view text) {
@@ -401,11 +402,13 @@ Verb convert_verb(CLI::App& program, std::vector<std::filesystem::path> shader_f
     const auto command = std::make_shared<ConvertCommand>();
     command->shader_folders = std::move(shader_folders);
     app->add_option("IN", command->inputs,
-                    "Mesh files (.obj .ply .stl .off) or mesh:NAME; points: also .xyz")
+                    "Mesh files (.obj .ply .stl .off) or mesh:NAME; points: also .xyz; or a .hoct")
         ->required();
-    app->add_option("-o,--output", command->output, "Field to write (.vdb; dense: .nrrd .mhd .vti)")
+    app->add_option("-o,--output", command->output,
+                    "Field to write (.vdb; dense: .nrrd .mhd .vti; octree: .hoct)")
         ->type_name("FILE");
-    app->add_option("--out-dir", command->out_dir, "Folder for one .vdb for each input")
+    app->add_option("--out-dir", command->out_dir,
+                    "Folder for one .vdb (octree: .hoct) for each input")
         ->type_name("DIR");
     add_accuracy_options(*app, *command);
     add_method_options(*app, *command);

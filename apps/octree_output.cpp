@@ -16,7 +16,7 @@ namespace {
 
 /// A dry run builds an octree for so many times the error: where a surface is smooth, cells grow
 /// with the root of the error, and their number falls as it grows.
-constexpr double dry_run_share = 16;
+constexpr double dry_run_share = 4;
 
 std::int64_t write_grids(const std::shared_ptr<const HashedOctree>& tree, const GridSpace& space,
                          OctreeGrids grids, double half_width_voxels,

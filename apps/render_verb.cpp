@@ -129,7 +129,8 @@ private:
         renderer_->set_look_numbers(std::move(numbers));
         seconds_.load += step_.lap();
         for (std::size_t i = 0; i < loaded_.objects.size(); ++i)
-            if (const auto& coarse = renderer_->coarse_bricks(static_cast<int>(i)))
+            if (const auto& coarse = renderer_->coarse_bricks(static_cast<int>(i));
+                coarse && !renderer_->is_adapted(static_cast<int>(i)))
                 warn(fmt::format(
                     "over the texture budget: {} of {} bricks were coarsened; the surface moves "
                     "by up to {:.2g} voxel where the field's slope is one",

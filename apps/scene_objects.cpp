@@ -5,7 +5,9 @@
 #include "distance_transform/corner_normals.h"
 #include "filtering/morph.h"
 #include "volume/errors.h"
+#include "volume/files.h"
 #include "volume/histogram.h"
+#include "volume/octree_field.h"
 
 #include <fmt/format.h>
 
@@ -292,10 +294,12 @@ private:
             source.field = std::make_shared<SparseField>(std::move(result.field));
             source.mesh.reset();
         }
-        // A file may hold anything; meshes and built-in fields have their surface at 0.
+        // A file may hold anything; meshes, octrees and built-in fields have their surface at 0.
         if (!source.iso_world && !object.iso_world)
             source.iso_world =
-                source.input.kind == Input::Kind::FieldFile ? suggested_iso(*source.field).iso : 0;
+                source.input.kind == Input::Kind::FieldFile && !is_octree_file(source.input.name)
+                    ? suggested_iso(*source.field).iso
+                    : 0;
         return {source.field, source.iso_world.value_or(0)};
     }
 
@@ -368,6 +372,38 @@ void append(const std::vector<Primitive>& drawn, const Placement& placement,
 
 } // namespace
 
+namespace {
+
+/// A field as it is drawn: an octree of many levels as several.
+std::vector<std::shared_ptr<const FieldSource>>
+fields_of(const std::shared_ptr<const FieldSource>& field, double iso_world) {
+    const auto octree = std::dynamic_pointer_cast<const OctreeField>(field);
+    if (!octree) return {field};
+    GridSpace finest = octree->space();
+    finest.world_from_index.scale(std::exp2(-octree->lattice()));
+    const auto fields = fields_of_octree(octree->tree(), finest, std::abs(iso_world));
+    return {fields.begin(), fields.end()};
+}
+
+/// The tree with each part as the union of its objects, from first_objects[part] on.
+CsgTree with_parts_divided(const CsgTree& tree, const std::vector<int>& first_objects) {
+    CsgTree divided;
+    for (const CsgStep& step : tree) {
+        if (step.operation != CsgOperation::Object) {
+            divided.push_back(step);
+            continue;
+        }
+        const auto part = static_cast<std::size_t>(step.object);
+        for (int object = first_objects[part]; object < first_objects[part + 1]; ++object) {
+            divided.push_back({CsgOperation::Object, object});
+            if (object > first_objects[part]) divided.push_back({CsgOperation::Union});
+        }
+    }
+    return divided;
+}
+
+} // namespace
+
 Scene SceneObjects::compose(const SceneFile& scene, const Progress& progress,
                             const std::function<void(const std::string&)>& warn) {
     Making making(*this, scene, progress, warn);
@@ -375,13 +411,18 @@ Scene SceneObjects::compose(const SceneFile& scene, const Progress& progress,
     Scene out{.curvature_scale_voxels = scene.curvature_scale_voxels,
               .storage = scene.storage,
               .quality = scene.quality,
-              .tree = composition.tree};
+              .tree = {}};
+    std::vector<int> first_objects; // of each part
     for (const ScenePart& part : composition.parts) {
         const Surface surface = making.surface_of(part.object);
-        out.objects.push_back({surface.field, surface.iso_world,
-                               scene.objects[part.object].filter.value_or(scene.filter),
-                               scene.derivative_filter, part.colour, part.cut_colour});
+        first_objects.push_back(static_cast<int>(out.objects.size()));
+        for (const auto& field : fields_of(surface.field, surface.iso_world))
+            out.objects.push_back({field, surface.iso_world,
+                                   scene.objects[part.object].filter.value_or(scene.filter),
+                                   scene.derivative_filter, part.colour, part.cut_colour});
     }
+    first_objects.push_back(static_cast<int>(out.objects.size()));
+    out.tree = with_parts_divided(composition.tree, first_objects);
     auto primitives = std::make_shared<Primitives>();
     for (std::size_t i = 0; i < scene.objects.size(); ++i) {
         const SceneObject& object = scene.objects[i];

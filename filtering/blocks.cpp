@@ -159,8 +159,12 @@ bool contains(const IndexBox& outer, const IndexBox& inner) {
 
 } // namespace
 
+BlockRanges find_blocks(const FieldSource& control) {
+    return {candidate_pages(control)};
+}
+
 BlockRanges find_block_ranges(const FieldSource& control, Kernel kernel, const Progress& progress) {
-    BlockRanges ranges{candidate_pages(control)};
+    BlockRanges ranges = find_blocks(control);
     const std::size_t count = ranges.pages.size();
     // In order, so that all threads are near each other: of a field that the system reads from a
     // file, a part is read once and can then go.

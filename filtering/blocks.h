@@ -52,6 +52,9 @@ struct BlockRanges {
     std::vector<BlockPage> pages; // sorted by z, y, x
 };
 
+/// The pages alone, without ranges.
+BlockRanges find_blocks(const FieldSource& control);
+
 /// control  the field of the kernel's control samples
 /// source   filtering/certificate.h: ranges_of_page
 BlockRanges find_block_ranges(const FieldSource& control, Kernel kernel,

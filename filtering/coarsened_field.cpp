@@ -63,8 +63,9 @@ std::vector<Index3> BlockLevels::coarse_blocks() const {
     return blocks;
 }
 
-CoarsenedField::CoarsenedField(std::shared_ptr<const FieldSource> control, BlockLevels levels)
-    : control_(std::move(control)), levels_(std::move(levels)) {}
+CoarsenedField::CoarsenedField(std::shared_ptr<const FieldSource> control, BlockLevels levels,
+                               bool is_adaptive)
+    : control_(std::move(control)), levels_(std::move(levels)), is_adaptive_(is_adaptive) {}
 
 std::vector<double> CoarsenedField::samples_at(const IndexBox& box, int level) const {
     const auto count = static_cast<std::size_t>(box.sample_count());
@@ -107,9 +108,9 @@ std::vector<double> CoarsenedField::samples_at(const IndexBox& box, int level) c
         }
     }
     if (set_count == count) return samples;
-    if (level == 0) {
+    if (level == 0 || is_adaptive_) {
         std::vector<float> own(count);
-        control_->copy_box(box, 0, own);
+        control_->copy_box(box, level, own);
         for (std::size_t i = 0; i < count; ++i)
             if (is_set[i] == 0) samples[i] = own[i];
     } else {

@@ -44,9 +44,12 @@ private:
 /// and F is the spline of C_0. The 3 planes of samples around a block's faces and those inside are
 /// all that F reads in it, so that in a block of level l, C_0 is U^l of the (n + 3)^3 samples of
 /// C_l with n = 8 / 2^l: those suffice to store it. docs/raycasting.md has the proof.
+///
+/// Of an adaptive field S_l are its own samples of level l: that is all that it has.
 class CoarsenedField final : public FieldSource {
 public:
-    CoarsenedField(std::shared_ptr<const FieldSource> control, BlockLevels levels);
+    CoarsenedField(std::shared_ptr<const FieldSource> control, BlockLevels levels,
+                   bool is_adaptive = false);
 
     /// C_l in a box of samples of level l [world], each rounded to float.
     std::vector<double> samples_at(const IndexBox& box, int level) const;
@@ -65,6 +68,7 @@ public:
 private:
     std::shared_ptr<const FieldSource> control_;
     BlockLevels levels_;
+    bool is_adaptive_;
 };
 
 } // namespace isocast

@@ -403,4 +403,79 @@ std::optional<CoarseBricks> coarsen(const std::shared_ptr<const FieldSource>& co
     }
 }
 
+namespace {
+
+/// The levels of all blocks of some pages, by place_in_page.
+std::vector<std::array<int, blocks_per_page>> levels_of(const FieldSource& field,
+                                                        const BlockRanges& ranges) {
+    std::vector<std::array<int, blocks_per_page>> levels(ranges.pages.size());
+    tbb::parallel_for(std::size_t{0}, levels.size(), [&](std::size_t i) {
+        const Index3 first = page_blocks * ranges.pages[i].coordinate;
+        for (std::uint64_t rest = ranges.pages[i].blocks; rest != 0; rest &= rest - 1) {
+            const int place = std::countr_zero(rest);
+            const Index3 lo = block_size * (first + block_in_page(place));
+            levels[i][static_cast<std::size_t>(place)] =
+                field.finest_level({lo, (lo.array() + block_size + 1).matrix()});
+        }
+    });
+    return levels;
+}
+
+/// Blocks that another field shows leave the pages.
+void keep_shown(BlockRanges& ranges, const std::vector<std::array<int, blocks_per_page>>& levels) {
+    for (std::size_t i = 0; i < levels.size(); ++i)
+        for (int place = 0; place < blocks_per_page; ++place)
+            if (levels[i][static_cast<std::size_t>(place)] < 0)
+                ranges.pages[i].blocks &= ~(std::uint64_t{1} << place);
+}
+
+} // namespace
+
+std::optional<CoarseBricks> adapt(const FieldSource& field,
+                                  const std::shared_ptr<const FieldSource>& control, Kernel kernel,
+                                  BlockRanges& ranges, std::vector<ActivePage>& active, float iso,
+                                  const StorageOptions& options, const Progress& progress) {
+    const BlockRanges blocks = find_blocks(*control);
+    const auto found = levels_of(field, blocks);
+    const auto with_all = [&](const FieldSource& source) {
+        ranges = find_block_ranges(source, kernel, progress);
+        keep_shown(ranges, found); // the same pages
+        active = active_pages(ranges, iso);
+    };
+    BlockLevels levels;
+    bool is_coarse = false;
+    for (std::size_t i = 0; i < found.size(); ++i)
+        for_blocks(blocks.pages[i].coordinate, blocks.pages[i].blocks, [&](const Index3& block) {
+            const Index3 at = block - page_blocks * blocks.pages[i].coordinate;
+            const int level =
+                found[i][static_cast<std::size_t>(place_in_page(at.x(), at.y(), at.z()))];
+            if (level <= 0) return;
+            is_coarse = true;
+            levels.set(block, std::min(level, coarsest_level));
+        });
+    if (is_coarse && kernel == Kernel::BSpline && options.fetch != Fetch::Linear &&
+        options.brick_size == block_size) {
+        CoarseBricks bricks{.field =
+                                std::make_shared<CoarsenedField>(control, std::move(levels), true)};
+        with_all(*bricks.field);
+        for (const ActivePage& page : active) {
+            const ValueRange& samples = ranges.pages[page.page].samples;
+            bricks.greatest_value =
+                std::max({bricks.greatest_value, iso - samples.min, samples.max - iso});
+        }
+        // Coarse samples may lie outside the range of those that are made of them.
+        bricks.greatest_value *= 2;
+        if (options.format != SampleFormat::Float32)
+            active =
+                active_pages(ranges, iso, Codec(options.format, bricks.greatest_value).error());
+        bricks.counts = counts_of(by_pages(ranges, active), bricks.field->levels());
+        const int texel_bytes = gl::byte_count(texel_format(options));
+        const Budget budget{std::min(options.budget_bytes / texel_bytes, gl::max_buffer_texels()),
+                            texel_bytes, options.fetch};
+        if (budget.holds(bricks.counts)) return bricks;
+    }
+    with_all(*control);
+    return std::nullopt;
+}
+
 } // namespace isocast

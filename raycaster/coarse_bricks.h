@@ -86,4 +86,16 @@ std::optional<CoarseBricks> coarsen(const std::shared_ptr<const FieldSource>& co
                                     std::vector<ActivePage>& active, float iso,
                                     const StorageOptions& options, const Progress& progress = {});
 
+/// Bricks as fine as an adaptive field's finest leaf in each block.
+///
+/// field    whose finest_level() tells; blocks where that is below 0 are not drawn
+/// control  the kernel's control samples of it
+/// ranges, active  are found here
+/// returns  nothing if no block is coarse, the bricks do not fit, or the kernel or the storage
+///          cannot have coarse ones: the field is then drawn at full resolution
+std::optional<CoarseBricks> adapt(const FieldSource& field,
+                                  const std::shared_ptr<const FieldSource>& control, Kernel kernel,
+                                  BlockRanges& ranges, std::vector<ActivePage>& active, float iso,
+                                  const StorageOptions& options, const Progress& progress = {});
+
 } // namespace isocast

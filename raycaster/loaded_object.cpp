@@ -81,12 +81,18 @@ void LoadedObject::load(FieldObject object, const StorageOptions& storage, Trave
     control_ = control_samples(object_.field, object_.filter, progress);
     if (!share_control_samples(object_.filter, derivative_filter))
         derivative_control_ = control_samples(object_.field, derivative_filter, progress);
-    ranges_ = find_block_ranges(*control_, kernel_of(object_.filter), progress);
     coarse_.reset();
     const float iso = static_cast<float>(object_.iso_world);
-    active_ = active_pages(ranges_, iso);
-    active_ = active_pages(ranges_, iso, error_of_storage());
-    if (storage_.over_budget == OverBudget::Coarsen)
+    if (object_.field->is_adaptive() && derivative_filter == object_.filter) {
+        coarse_ = adapt(*object_.field, control_, kernel_of(object_.filter), ranges_, active_, iso,
+                        storage_, progress);
+    } else {
+        ranges_ = find_block_ranges(*control_, kernel_of(object_.filter), progress);
+        active_ = active_pages(ranges_, iso);
+    }
+    is_adapted_ = coarse_.has_value();
+    if (!is_adapted_) active_ = active_pages(ranges_, iso, error_of_storage());
+    if (!is_adapted_ && storage_.over_budget == OverBudget::Coarsen)
         coarse_ =
             coarsen(control_, kernel_of(object_.filter), ranges_, active_, iso, storage_, progress);
     if (coarse_) control_ = coarse_->field;
@@ -94,7 +100,8 @@ void LoadedObject::load(FieldObject object, const StorageOptions& storage, Trave
 }
 
 void LoadedObject::set_iso(double iso_world) {
-    if (storage_.over_budget == OverBudget::Coarsen) { // ranges depend on what is coarse
+    if (object_.field->is_adaptive() ||
+        storage_.over_budget == OverBudget::Coarsen) { // ranges depend on what is coarse
         FieldObject object = object_;
         object.iso_world = iso_world;
         load(std::move(object), storage_, traversal_, curvature_scale_voxels_);

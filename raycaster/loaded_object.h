@@ -35,6 +35,8 @@ public:
     const BlockRanges& ranges() const { return ranges_; }
     const std::vector<ActivePage>& active() const { return active_; }
     const std::optional<CoarseBricks>& coarse_bricks() const { return coarse_; }
+    /// Whether coarse bricks are all the detail that the field has, not what memory has room for.
+    bool is_adapted() const { return is_adapted_; }
     FieldOnGpu& field() { return field_; }
     const FieldOnGpu& field() const { return field_; }
     /// Of the derivative filter; `field` where control samples are shared.
@@ -71,6 +73,7 @@ private:
     std::vector<ActivePage> active_;
     std::optional<ActiveSet> moving_; // made when the iso value moves first
     std::optional<CoarseBricks> coarse_;
+    bool is_adapted_ = false;
     FieldOnGpu field_;
     // Where the derivative filter has control samples of its own.
     std::shared_ptr<const FieldSource> derivative_control_;

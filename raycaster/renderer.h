@@ -75,10 +75,12 @@ public:
     /// False if the field never crosses the iso value, or the boxes of several leave nothing.
     bool has_surface() const;
     const BrickPool& pool(int object = 0) const { return at(object).field().pool(); }
-    /// What was coarsened to fit the budget, if anything was.
+    /// Bricks of lower resolution, if there are any: since the budget has no room for more, or, if
+    /// it is adapted, since the field has no more detail.
     const std::optional<CoarseBricks>& coarse_bricks(int object = 0) const {
         return at(object).coarse_bricks();
     }
+    bool is_adapted(int object = 0) const { return at(object).is_adapted(); }
 
     /// Runs the passes that `wanted` needs.
     ///

@@ -39,6 +39,9 @@ public:
 
     /// The finest level stored anywhere in `box`: 0 everywhere but in adaptive fields.
     virtual int finest_level(const IndexBox& box) const = 0;
+    /// Whether finest_level differs from box to box, so that samples of higher levels are all that
+    /// the field has in some.
+    virtual bool is_adaptive() const { return false; }
 
     /// A range that holds the value of every sample in `box`; it may be wider than the tightest.
     virtual ValueRange value_range(const IndexBox& box) const = 0;

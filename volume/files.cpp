@@ -118,8 +118,9 @@ std::unique_ptr<FieldSource> read_field(const std::filesystem::path& path,
                     fmt::format("no grid named '{}': only .vdb files hold named grids", grid_name));
     if (format == nullptr) {
         OctreeFile file = read_octree(path);
-        return std::make_unique<OctreeField>(
-            std::make_shared<const HashedOctree>(std::move(file.tree)), file.space, 0);
+        const auto tree = std::make_shared<const HashedOctree>(std::move(file.tree));
+        return std::make_unique<OctreeField>(tree, file.space, 0,
+                                             finest_surface_level(*tree));
     }
     return open_volume(format->header(path), path, memory_bytes);
 }

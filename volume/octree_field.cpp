@@ -171,13 +171,20 @@ void OctreeField::copy_box(const IndexBox& box, int level, std::span<float> out)
         }
         const CornerData corners = corners_of(*tree_, cell);
         const double size = cell.size();
+        const bool is_linear = tree_->filter() == OctreeFilter::Linear;
+        const double step = std::exp2(shift) / size;
+        const Vec3d first = ((1 << shift) * part.lo - cell.position).cast<double>() / size;
         for (int z = part.lo.z(); z < part.hi.z(); ++z)
-            for (int y = part.lo.y(); y < part.hi.y(); ++y)
-                for (int x = part.lo.x(); x < part.hi.x(); ++x) {
-                    const Index3 within = (1 << shift) * Index3(x, y, z) - cell.position;
-                    place(x, y, z) =
-                        interpolate(tree_->filter(), corners, size, within.cast<double>() / size);
+            for (int y = part.lo.y(); y < part.hi.y(); ++y) {
+                const CellRow row =
+                    row_of(tree_->filter(), corners, size, first.y() + step * (y - part.lo.y()),
+                           first.z() + step * (z - part.lo.z()));
+                float* const to = &place(part.lo.x(), y, z);
+                for (int i = 0; i < part.hi.x() - part.lo.x(); ++i) {
+                    const double x = first.x() + step * i; // exact: all are multiples of 1 / size
+                    to[i] = is_linear ? row.linear_at(x) : row.cubic_at(x);
                 }
+            }
     };
     fill(fill, tree_->root());
     const int across = 1 << std::max(tree_->depth() - shift, 0);
@@ -189,6 +196,19 @@ void OctreeField::copy_box(const IndexBox& box, int level, std::span<float> out)
             for (int x = box.lo.x(); x < box.hi.x(); ++x)
                 if (!all.contains({x, y, z}))
                     place(x, y, z) = tree_->value_at((1 << shift) * Vec3d(x, y, z));
+}
+
+int finest_surface_level(const HashedOctree& tree) {
+    int finest = tree.depth();
+    bool is_there = false;
+    tree.visit_cells([&](const OctreeCell& cell, bool is_leaf) {
+        if (!is_leaf || cell.level > finest) return;
+        const CellBounds bounds = bounds_of(tree.filter(), corners_of(tree, cell), cell.size());
+        if (bounds.min > 0 || bounds.max < 0) return;
+        finest = cell.level;
+        is_there = true;
+    });
+    return is_there ? finest : 0;
 }
 
 std::vector<std::shared_ptr<const OctreeField>>

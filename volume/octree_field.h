@@ -21,7 +21,7 @@ public:
     OctreeField(std::shared_ptr<const HashedOctree> tree, const GridSpace& space,
                 double reach_world, int lattice = 0);
 
-    const HashedOctree& tree() const { return *tree_; }
+    const std::shared_ptr<const HashedOctree>& tree() const { return tree_; }
     int lattice() const { return lattice_; }
     const GridSpace& space() const override { return space_; }
     IndexBox extent() const override;
@@ -31,6 +31,7 @@ public:
     /// Of the leaves that hold an isosurface within reach, above the lattice; greatest_octree_depth
     /// where there is none. Below 0 in blocks that another field of fields_of_octree() shows.
     int finest_level(const IndexBox& box) const override;
+    bool is_adaptive() const override { return true; }
     ValueRange value_range(const IndexBox& box) const override;
     void copy_box(const IndexBox& box, int level, std::span<float> out) const override;
 
@@ -54,6 +55,9 @@ private:
     /// Sorted; those that are shown, if not all.
     std::optional<std::vector<OctreeCell>> blocks_;
 };
+
+/// The level of the finest leaf that holds a piece of the surface, f = 0; 0 if none does.
+int finest_surface_level(const HashedOctree& tree);
 
 /// The fields that together show an octree's isosurfaces: one, on the lattice of the finest leaf
 /// that holds a piece, if its blocks of 8^3 cells there are few; else one for each four levels, and

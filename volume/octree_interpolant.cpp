@@ -15,20 +15,29 @@ std::array<std::array<double, 2>, 2> hermite_weights(double t, double size) {
 } // namespace
 
 float interpolate(OctreeFilter filter, const CornerData& corners, double size, const Vec3d& t) {
-    double sum = 0;
+    const CellRow row = row_of(filter, corners, size, t.y(), t.z());
+    return filter == OctreeFilter::Linear ? row.linear_at(t.x()) : row.cubic_at(t.x());
+}
+
+CellRow row_of(OctreeFilter filter, const CornerData& corners, double size, double y, double z) {
     if (filter == OctreeFilter::Linear) {
-        for (unsigned i = 0; i < 8; ++i)
-            sum += (i & 1 ? t.x() : 1 - t.x()) * (i & 2 ? t.y() : 1 - t.y()) *
-                   (i & 4 ? t.z() : 1 - t.z()) * corners[i][0];
-        return static_cast<float>(sum);
+        const auto at = [&](std::size_t x) {
+            return (1 - z) * ((1 - y) * corners[x][0] + y * corners[x + 2][0]) +
+                   z * ((1 - y) * corners[x + 4][0] + y * corners[x + 6][0]);
+        };
+        return {at(0), at(1), 0, 0};
     }
-    const auto x = hermite_weights(t.x(), size);
-    const auto y = hermite_weights(t.y(), size);
-    const auto z = hermite_weights(t.z(), size);
-    for (unsigned i = 0; i < 8; ++i)
-        for (unsigned d = 0; d < 8; ++d)
-            sum += x[i & 1][d & 1] * y[i >> 1 & 1][d >> 1 & 1] * z[i >> 2][d >> 2] * corners[i][d];
-    return static_cast<float>(sum);
+    const auto in_y = hermite_weights(y, size);
+    const auto in_z = hermite_weights(z, size);
+    // Derivative d by x, at the end `x`.
+    const auto at = [&](std::size_t x, std::size_t d) {
+        double sum = 0;
+        for (std::size_t k = 0; k < 4; ++k)
+            for (std::size_t e = 0; e < 4; ++e)
+                sum += in_y[k & 1][e & 1] * in_z[k >> 1][e >> 1] * corners[x + 2 * k][d + 2 * e];
+        return sum;
+    };
+    return {at(0, 0), at(1, 0), size * at(0, 1), size * at(1, 1)};
 }
 
 void midpoint(OctreeFilter filter, std::span<const float> a, std::span<const float> b, int axis,

@@ -31,6 +31,21 @@ using CornerData = std::array<const float*, 8>;
 /// derivatives, over cells of several sizes too if hanging nodes hold what `midpoint` says.
 float interpolate(OctreeFilter filter, const CornerData& corners, double size, const Vec3d& t);
 
+/// The interpolant along a line through a cell, parallel to x: linear, or a cubic of Hermite.
+struct CellRow {
+    double f0, f1;         // at both ends
+    double slope0, slope1; // [per edge]; 0 in linear cells
+
+    /// x  in [0, 1] of the cell
+    float linear_at(double x) const { return static_cast<float>((1 - x) * f0 + x * f1); }
+    float cubic_at(double x) const {
+        const double u = 1 - x;
+        return static_cast<float>(u * u * (1 + 2 * x) * f0 + x * x * (3 - 2 * x) * f1 +
+                                  x * u * (u * slope0 - x * slope1));
+    }
+};
+CellRow row_of(OctreeFilter filter, const CornerData& corners, double size, double y, double z);
+
 /// What a node half way between two others holds if it hangs, that is, if a cell that is not
 /// divided has the three of them on an edge. The middle of a face is half way between two such
 /// nodes. `a`, `b` and `out` hold components_of(filter) floats.

@@ -30,6 +30,7 @@ public:
     std::optional<double> half_width_world() const override;
     std::vector<IndexBox> active_boxes() const override { return field_->active_boxes(); }
     int finest_level(const IndexBox& box) const override { return field_->finest_level(box); }
+    bool is_adaptive() const override { return field_->is_adaptive(); }
     ValueRange value_range(const IndexBox& box) const override;
     void copy_box(const IndexBox& box, int level, std::span<float> out) const override;
 

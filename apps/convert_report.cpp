@@ -27,6 +27,11 @@ double expected_seconds(const ConvertReport& report, std::size_t threads) {
 } // namespace
 
 void print(const ConvertReport& report, std::size_t threads) {
+    if (report.is_export) {
+        fmt::print("{}: {} active voxels, {:.2f} s\n", report.output.string(), report.active_voxels,
+                   report.seconds.total);
+        return;
+    }
     if (report.points)
         fmt::print("{}: {} points {:.4g} apart, normals {}\n", report.input, report.points->count,
                    report.points->median_spacing_world,
@@ -34,6 +39,20 @@ void print(const ConvertReport& report, std::size_t threads) {
     else
         fmt::print("{}: {} triangles, {}\n", report.input, report.verdict.triangles,
                    report.verdict.summary());
+    if (report.octree) {
+        const ConvertReport::Octree& octree = *report.octree;
+        fmt::print(
+            "{}{:.6g} cells, the finest of {:.6g} in {} levels; {:.6g} nodes, of which {:.6g} "
+            "were sampled; {:.4g} MiB; {} to within {:.4g} at the surface; signs: {} ({})\n",
+            octree.is_estimate ? "about " : report.output.string() + ": ", octree.cells,
+            octree.finest_cell_world, octree.depth + 1, octree.nodes, octree.free_nodes,
+            octree.bytes / 0x1p20, octree.filter == OctreeFilter::Linear ? "linear" : "cubic",
+            octree.max_error_world, name_of(report.sign), report.sign_reason);
+        fmt::print("{:.2f} s: read {:.2f}, prepare {:.2f}, transform {:.2f}, write {:.2f}\n",
+                   report.seconds.total, report.seconds.read, report.seconds.prepare,
+                   report.seconds.transform, report.seconds.write);
+        return;
+    }
     if (report.expected) {
         constexpr double mebibyte = 0x1p20;
         fmt::print("about {:.3g} active voxels of {:.6g}, {:.4g} MiB of field, {:.4g} MiB at most, "
@@ -55,6 +74,12 @@ void print(const ConvertReport& report, std::size_t threads) {
 
 nlohmann::ordered_json to_json(const ConvertReport& report, std::size_t threads) {
     nlohmann::ordered_json json = {{"input", report.input}, {"output", report.output.string()}};
+    if (report.is_export) {
+        json["active_voxels"] = report.active_voxels;
+        json["seconds"] = {{"total", report.seconds.total}};
+        json["warnings"] = report.warnings;
+        return json;
+    }
     if (report.points) {
         const ConvertReport::Points& points = *report.points;
         json["points"] = points.count;
@@ -66,6 +91,19 @@ nlohmann::ordered_json to_json(const ConvertReport& report, std::size_t threads)
     } else {
         json["triangles"] = report.verdict.triangles;
         json["verdict"] = to_json(report.verdict);
+    }
+    if (report.octree) {
+        const ConvertReport::Octree& octree = *report.octree;
+        json["octree"] = {
+            {"estimate", octree.is_estimate},
+            {"max_error", octree.max_error_world},
+            {"finest_cell", octree.finest_cell_world},
+            {"depth", octree.depth},
+            {"cells", octree.cells},
+            {"nodes", octree.nodes},
+            {"sampled_nodes", octree.free_nodes},
+            {"bytes", octree.bytes},
+            {"interpolation", octree.filter == OctreeFilter::Linear ? "linear" : "cubic"}};
     }
     json["voxel_size"] = report.options.voxel_size_world;
     json["half_width_voxels"] = report.options.half_width_voxels;

@@ -4,6 +4,7 @@
 
 #include "distance_transform/convert.h"
 #include "distance_transform/meshless.h"
+#include "volume/octree_interpolant.h"
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -33,7 +34,20 @@ struct ConvertReport {
         double median_spacing_world = 0;
         MeshlessOptions meshless;
     };
-    std::optional<Points> points = {};            // instead of the verdict
+    std::optional<Points> points = {}; // instead of the verdict
+    struct Octree {
+        double max_error_world = 0;
+        double finest_cell_world = 0;
+        int depth = 0;
+        double cells = 0;
+        double nodes = 0;
+        double free_nodes = 0; // that do not hang
+        double bytes = 0;
+        OctreeFilter filter = OctreeFilter::Linear;
+        bool is_estimate = false;
+    };
+    std::optional<Octree> octree = {};            // beside or instead of a band
+    bool is_export = false;                       // of an octree file: there is no mesh
     std::optional<ConvertEstimate> expected = {}; // instead of a conversion
     std::vector<std::string> warnings = {};
 

@@ -5,6 +5,7 @@
 #include "apps/convert_report.h"
 #include "apps/inputs.h"
 #include "apps/mesh_repair.h"
+#include "apps/octree_output.h"
 #include "apps/parsed_option.h"
 #include "apps/points_input.h"
 #include "apps/verdict_json.h"
@@ -25,33 +26,23 @@ namespace isocast {
 
 namespace {
 
-enum class Method { Prism, Csc, KdTree, Points };
+enum class Method { Prism, Csc, KdTree, Octree, Points };
 enum class PrismKind { Exact, Printed };
 enum class Extend { None, Full, Exact };
 enum class Device { Cpu, Gl };
-
-template<class Value>
-Value choice_from(std::string_view text,
-                  std::initializer_list<std::pair<std::string_view, Value>> known) {
-    std::string names;
-    for (const auto& [name, value] : known) {
-        if (name == text) return value;
-        names += fmt::format("{}{}", names.empty() ? "" : ", ", name);
-    }
-    throw UsageError(fmt::format("'{}' is none of {}", text, names));
-}
 
 struct ConvertCommand {
     std::vector<std::string> inputs;
     std::filesystem::path output;
     std::filesystem::path out_dir;
     std::optional<double> voxel_size_world;
-    int resolution = 256;
+    std::optional<int> resolution; // 256 if neither it nor a voxel size is given
     double band_voxels = 3;
     std::optional<double> band_world;
     SignMethod sign = SignMethod::Auto;
     Method method = Method::Prism;
     MeshlessOptions meshless;
+    OctreeCommand octree;
     PrismKind prism = PrismKind::Exact;
     Extend extend = Extend::None;
     Device device = Device::Cpu;
@@ -88,7 +79,8 @@ std::vector<Job> jobs_of(const ConvertCommand& command) {
     for (const std::string& text : command.inputs) {
         const Input input = input_from(text);
         const std::filesystem::path output =
-            command.out_dir / (std::filesystem::path(input.name).stem().string() + ".vdb");
+            command.out_dir / (std::filesystem::path(input.name).stem().string() +
+                               (command.method == Method::Octree ? ".hoct" : ".vdb"));
         if (!outputs.insert(output).second)
             throw UsageError(fmt::format("two inputs would become {}", output.string()));
         jobs.push_back({text, output});
@@ -107,6 +99,12 @@ void check_command(const ConvertCommand& command) {
         throw UsageError("--closest goes with the default method and no --extend");
     if (command.method != Method::Points && command.meshless != MeshlessOptions{})
         throw UsageError("--neighbours, --point-method, --approximation need --method points");
+    const OctreeCommand no_octree;
+    if (command.method != Method::Octree &&
+        (command.octree.max_error_world || command.octree.filter != no_octree.filter))
+        throw UsageError("--max-error and --interpolation need --method octree");
+    if (command.method == Method::Octree && command.extend != Extend::None)
+        throw UsageError("--method octree has no --extend: its field has a value everywhere");
     if (command.method == Method::Points &&
         (command.extend != Extend::None || command.sign != SignMethod::Auto || command.repair))
         throw UsageError("--method points has no --extend, --sign or --repair");
@@ -134,9 +132,9 @@ ConvertOptions options_for(const ConvertCommand& command, const WorldBox& box) {
                                          : BandMethod::PrintedPrisms,
                            .closest = command.closest,
                            .memory_bytes = command.memory_bytes};
-    options.voxel_size_world = command.voxel_size_world
-                                   ? *command.voxel_size_world
-                                   : voxel_size_for_resolution(box, command.resolution);
+    options.voxel_size_world =
+        command.voxel_size_world ? *command.voxel_size_world
+                                 : voxel_size_for_resolution(box, command.resolution.value_or(256));
     options.half_width_voxels =
         command.band_world ? *command.band_world / options.voxel_size_world : command.band_voxels;
     if (command.device == Device::Gl) options.scanner = gpu_scanner(command.shader_folders);
@@ -245,7 +243,13 @@ ConvertReport mesh_job(const ConvertCommand& command, const Job& job, const Inpu
                          .options = options_for(command, bounding_box(mesh.mesh)),
                          .warnings = mesh.warnings};
     report.seconds.read = step.lap();
-    if (command.dry_run)
+    if (command.method == Method::Octree)
+        convert_to_octree(command.octree, mesh,
+                          command.voxel_size_world || command.resolution
+                              ? std::optional(report.options.voxel_size_world)
+                              : std::nullopt,
+                          command.dry_run, report, progress);
+    else if (command.dry_run)
         report.expected = estimate(mesh, report.options);
     else if (command.is_dense() || command.extend == Extend::Full)
         convert_to_full(command, mesh, report, progress);
@@ -254,13 +258,35 @@ ConvertReport mesh_job(const ConvertCommand& command, const Job& job, const Inpu
     return report;
 }
 
+/// From one kind of field file to another.
+ConvertReport octree_job(const ConvertCommand& command, const Job& job, const Input& input,
+                         const Progress& progress) {
+    if (job.output.extension() != ".vdb" || command.dry_run)
+        throw UsageError(fmt::format("{} is an octree: it can become a .vdb file", job.input));
+    ConvertReport report{.input = job.input, .output = job.output};
+    report.options.half_width_voxels = command.band_voxels;
+    Stopwatch step;
+    report.active_voxels =
+        export_octree(input.name, job.output, command.octree.grids, command.band_voxels, progress);
+    report.seconds.write = step.lap();
+    report.is_export = true;
+    return report;
+}
+
 ConvertReport run_job(const ConvertCommand& command, const Job& job, Console& console) {
     const Stopwatch total;
     const Input input = input_from(job.input);
-    if (!command.dry_run) check_output(job.output, {".vdb", ".nrrd", ".mhd", ".vti"});
+    if (!command.dry_run) {
+        if (command.method == Method::Octree)
+            check_output(job.output, {".hoct", ".vdb"});
+        else
+            check_output(job.output, {".vdb", ".nrrd", ".mhd", ".vti"});
+    }
     const Progress progress = console.progress();
     progress("reading", 0);
-    ConvertReport report = command.method == Method::Points
+    const bool is_octree = input.kind == Input::Kind::FieldFile && is_octree_file(input.name);
+    ConvertReport report = is_octree ? octree_job(command, job, input, progress)
+                           : command.method == Method::Points
                                ? points_job(command, job, input, progress)
                                : mesh_job(command, job, input, progress);
     report.seconds.total = total.seconds();
@@ -331,7 +357,8 @@ void add_method_options(CLI::App& app, ConvertCommand& command) {
     add_parsed(
         app, "--method", command.method,
         [](std::string_view text) {
-            return choice_from<Method>(text, {{"prism", Method::Prism},
+            return choice_from<Method>(text, {{"octree", Method::Octree},
+                                              {"prism", Method::Prism},
                                               {"csc", Method::Csc},
                                               {"kdtree", Method::KdTree},
                                               {"points", Method::Points}});

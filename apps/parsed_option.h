@@ -5,6 +5,7 @@
 #include "apps/inputs.h"
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include <optional>
 #include <string>
@@ -42,6 +43,18 @@ inline void add_threads(CLI::App& app, std::size_t& threads) {
     app.add_option("--threads", threads, "Use at most this many threads")
         ->check(CLI::Range(1, 4096))
         ->type_name("N");
+}
+
+/// throws  UsageError that lists the known names
+template<class Value>
+Value choice_from(std::string_view text,
+                  std::initializer_list<std::pair<std::string_view, Value>> known) {
+    std::string names;
+    for (const auto& [name, value] : known) {
+        if (name == text) return value;
+        names += fmt::format("{}{}", names.empty() ? "" : ", ", name);
+    }
+    throw UsageError(fmt::format("'{}' is none of {}", text, names));
 }
 
 } // namespace isocast

@@ -343,7 +343,7 @@ private:
                 std::as_const(tree_).data_of(static_cast<HashedOctree::NodeNumber>(node));
             sampled_.insert(sampled_.end(), data.begin(), data.end());
         }
-        margins_.resize(tree_.cell_count());
+        margins_.resize(tree_.cell_number_end());
     }
 
     std::array<NodeData, 8> corners_of(const OctreeCell& cell,
@@ -369,7 +369,7 @@ private:
                 std::copy_n(divided.nodes[node_place(at.x(), at.y(), at.z())].begin(), out.size(),
                             out.begin());
             });
-        margins_.resize(tree_.cell_count());
+        margins_.resize(tree_.cell_number_end());
         auto margin = grown.margins.begin();
         const auto keep = [&](const auto& self, const OctreeCell& leaf) -> void {
             if (!tree_.is_divided(leaf)) {

@@ -27,6 +27,8 @@ struct GridDescription {
     std::map<std::string, std::string> metadata;
 };
 
+/// True for the name of an octree file, .hoct.
+bool is_octree_file(const std::filesystem::path& path);
 /// True for a file name that read_field understands, by its extension.
 bool is_field_file(const std::filesystem::path& path);
 /// The extensions that read_field understands, for messages.
@@ -34,9 +36,11 @@ std::string field_file_extensions();
 
 /// Reads a scalar field.
 ///
-/// path       a .vdb file; or a dense volume: .nrrd or .nhdr, .mhd or .mha, .nii or .nii.gz. Their
-///            samples keep their type; uncompressed ones are mapped and read when they are asked
-///            for, so that a file may be larger than memory. Headerless samples need an .mhd.
+/// path       a .vdb file; or an octree, .hoct, on the lattice of its finest cells at the surface
+///            (OctreeField; fields_of_octree tells of all); or a dense volume: .nrrd or .nhdr, .mhd
+///            or .mha, .nii or .nii.gz. Their samples keep their type; uncompressed ones are mapped
+///            and read when they are asked for, so that a file may be larger than memory.
+///            Headerless samples need an .mhd.
 /// grid_name  the grid to take; empty takes the first float or double grid, by name. Only .vdb
 ///            files have names.
 /// memory_bytes  what the samples of .vdb files and of compressed volumes may take: beyond it they
@@ -70,6 +74,12 @@ struct ClosestGrids {
 void write_vdb(const SparseField& field, const std::filesystem::path& path,
                const std::map<std::string, std::string>& metadata = {},
                const ClosestGrids& closest = {});
+
+/// Writes one field at several resolutions, as the grids surface_level_0, surface_level_1, … (named
+/// as those of OpenVDB's MultiResGrid are), each as write_vdb does.
+void write_vdb_levels(const std::function<SparseField(int level)>& field_of, int level_count,
+                      const std::filesystem::path& path,
+                      const std::map<std::string, std::string>& metadata = {});
 
 // Dense files: every sample of the field's extent, as float32, little endian, x fastest, cut from
 // the field slab by slab so that no dense copy is ever in memory.

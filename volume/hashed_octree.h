@@ -52,6 +52,8 @@ public:
     // Cells: one probe of the table, whatever the depth. In line: what callers read of the result
     // need not go through memory.
 
+    /// All numbers of cells are below this.
+    std::size_t cell_number_end() const { return links_.size(); }
     /// Nothing if there is no such cell.
     std::optional<CellNumber> find(const OctreeCell& cell) const {
         if (!is_in_range(cell)) return std::nullopt;

@@ -531,15 +531,14 @@ std::vector<GridDescription> describe_vdb(const std::filesystem::path& path) {
     });
 }
 
-void write_vdb(const SparseField& field, const std::filesystem::path& path,
-               const std::map<std::string, std::string>& metadata, const ClosestGrids& closest) {
+namespace {
+
+void write_grids(const vdb::GridCPtrVec& grids, const std::filesystem::path& path) {
     AtomicFile output(path);
-    vdb::initialize();
     const auto fail = [&](const std::string& cause) {
         return fmt::format("cannot write {}: {}", path.string(), cause);
     };
     try {
-        const vdb::GridCPtrVec grids = to_grids(field, metadata, closest);
         std::ofstream file(output.temporary_path(), std::ios::binary | std::ios::trunc);
         file.exceptions(std::ios::failbit | std::ios::badbit);
         errno = 0;
@@ -552,6 +551,28 @@ void write_vdb(const SparseField& field, const std::filesystem::path& path,
         throw InputError(fail(fmt::format("OpenVDB refuses its transform: {}", error.what())));
     }
     output.commit();
+}
+
+} // namespace
+
+void write_vdb(const SparseField& field, const std::filesystem::path& path,
+               const std::map<std::string, std::string>& metadata, const ClosestGrids& closest) {
+    vdb::initialize();
+    write_grids(to_grids(field, metadata, closest), path);
+}
+
+void write_vdb_levels(const std::function<SparseField(int level)>& field_of, int level_count,
+                      const std::filesystem::path& path,
+                      const std::map<std::string, std::string>& metadata) {
+    vdb::initialize();
+    vdb::GridCPtrVec grids;
+    for (int level = 0; level < level_count; ++level) {
+        const vdb::FloatGrid::Ptr grid = to_vdb_grid(field_of(level));
+        grid->setName(fmt::format("surface_level_{}", level));
+        for (const auto& [key, text] : metadata) grid->insertMeta(key, vdb::StringMetadata(text));
+        grids.push_back(grid);
+    }
+    write_grids(grids, path);
 }
 
 } // namespace isocast

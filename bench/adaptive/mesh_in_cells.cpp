@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <random>
 
 namespace isocast {
 
@@ -15,6 +17,46 @@ Mesh mesh_in_cells(const Mesh& mesh, int depth, double margin_cells) {
     Mesh placed = mesh;
     for (Vec3d& p : placed.vertices_world) p = (scale * (p - middle).array() + across / 2).matrix();
     return placed;
+}
+
+void add_mesh(const Mesh& part, Mesh& whole) {
+    const auto first = static_cast<int>(whole.vertices_world.size());
+    whole.vertices_world.insert(whole.vertices_world.end(), part.vertices_world.begin(),
+                                part.vertices_world.end());
+    for (const auto& [a, b, c] : part.triangles)
+        whole.triangles.push_back({first + a, first + b, first + c});
+}
+
+std::vector<Mesh> needles_in_cells(int depth, double thickness, unsigned seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> any(-1, 1);
+    const auto random_vector = [&] {
+        const double x = any(random);
+        const double y = any(random);
+        return Vec3d(x, y, any(random));
+    };
+    const double across = 1 << depth;
+    const double length = 30 * thickness;
+    const double room = std::max(length + 4, across / 6); // each has a cube of it
+    std::vector<Mesh> needles;
+    for (double z = room; z + room < across; z += room)
+        for (double y = room; y + room < across; y += room)
+            for (double x = room; x + room < across; x += room) {
+                const Vec3d along = random_vector().normalized();
+                const Vec3d side = along.unitOrthogonal();
+                const Vec3d middle = Vec3d(x, y, z) + random_vector();
+                Mesh needle;
+                needle.vertices_world.push_back(middle + length / 2 * along);
+                // An equilateral base whose heights are the thickness.
+                for (int k = 0; k < 3; ++k)
+                    needle.vertices_world.push_back(
+                        middle - length / 2 * along +
+                        2.0 / 3 * thickness *
+                            (Eigen::AngleAxisd(k * 2 * std::numbers::pi / 3, along) * side));
+                needle.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}};
+                needles.push_back(needle);
+            }
+    return needles;
 }
 
 bool meet(const std::array<Vec3d, 3>& triangle, const Cube& cube) {

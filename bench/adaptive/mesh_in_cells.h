@@ -12,6 +12,12 @@ namespace isocast {
 /// In the middle of [0, 2^depth]^3, its longest side `margin_cells` from two faces.
 Mesh mesh_in_cells(const Mesh& mesh, int depth, double margin_cells = 2);
 
+void add_mesh(const Mesh& part, Mesh& whole);
+
+/// Tetrahedra 30 times as long as thick, at random places and in random directions in [0,
+/// 2^depth]^3, each with some cells of free space around it.
+std::vector<Mesh> needles_in_cells(int depth, double thickness, unsigned seed);
+
 /// Whether no axis separates them: the cube's three, the triangle's normal, and the nine that are
 /// normal to an edge of each.
 /// source  Akenine-Möller 2001, from the theorem, without his order of tests

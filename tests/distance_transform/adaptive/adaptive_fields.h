@@ -14,31 +14,20 @@ namespace isocast::test {
 
 inline constexpr std::array octree_filters = {OctreeFilter::Linear, OctreeFilter::Cubic};
 
-/// A mesh in finest cells with its distance, signs by the winding number if it has many shells.
+/// A mesh in finest cells with its distance.
 class MeshInCells {
 public:
-    MeshInCells(const Mesh& mesh_in_cells, bool by_winding) : mesh_(check(mesh_in_cells)) {
-        if (by_winding) winding_.emplace(mesh_.mesh, mesh_.verdict.is_closed());
-        distance_.emplace(mesh_.mesh, mesh_.topology, by_winding ? &*winding_ : nullptr);
-    }
+    explicit MeshInCells(const Mesh& mesh_in_cells)
+        : mesh_(check(mesh_in_cells)), distance_(mesh_.mesh, mesh_.topology, nullptr) {}
     MeshInCells(const MeshInCells&) = delete;
     MeshInCells& operator=(const MeshInCells&) = delete;
     const Mesh& mesh() const { return mesh_.mesh; }
-    const MeshDistance& distance() const { return *distance_; }
+    const MeshDistance& distance() const { return distance_; }
 
 private:
     CheckedMesh mesh_;
-    std::optional<WindingNumber> winding_;
-    std::optional<MeshDistance> distance_;
+    MeshDistance distance_;
 };
-
-inline void add_mesh(const Mesh& part, Mesh& whole) {
-    const auto first = static_cast<int>(whole.vertices_world.size());
-    whole.vertices_world.insert(whole.vertices_world.end(), part.vertices_world.begin(),
-                                part.vertices_world.end());
-    for (const auto& [a, b, c] : part.triangles)
-        whole.triangles.push_back({first + a, first + b, first + c});
-}
 
 inline Mesh moved(Mesh mesh, double scale, const Vec3d& to) {
     for (Vec3d& p : mesh.vertices_world) p = scale * p + to;

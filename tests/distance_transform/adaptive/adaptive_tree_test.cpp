@@ -12,17 +12,16 @@ namespace {
 
 TEST(AdaptiveTree, IsContinuousAcrossFacesOfCellsOfAnySizes) {
     constexpr int depth = 6;
+    std::size_t hanging_nodes = 0;
     for (const std::string& name : sample_mesh_names()) {
-        const MeshInCells input(mesh_in_cells(sample_mesh(name), depth), false);
+        const MeshInCells input(mesh_in_cells(sample_mesh(name), depth));
         for (const OctreeFilter filter : octree_filters) {
-            for (const std::optional<double> max_error : {std::optional(1.0), {}}) {
+            for (const std::optional<double> max_error : {std::optional(0.3), {}}) {
                 const HashedOctree tree = build_adaptive(
                     input.distance(),
                     {.depth = depth, .filter = filter, .max_error_cells = max_error});
-                bool has_hanging_nodes = false;
                 for (HashedOctree::NodeNumber node = 0; node < tree.node_count(); ++node)
-                    has_hanging_nodes |= tree.is_constrained(node);
-                EXPECT_TRUE(has_hanging_nodes) << name;
+                    hanging_nodes += tree.is_constrained(node);
                 Random random(1);
                 // As OctreeInterpolant's tests: a level of constraints rounds twice at most.
                 EXPECT_LE(greatest_jump(tree, random, false), 2 * depth + 2) << name;
@@ -32,11 +31,12 @@ TEST(AdaptiveTree, IsContinuousAcrossFacesOfCellsOfAnySizes) {
             }
         }
     }
+    EXPECT_GT(hanging_nodes, 10'000u);
 }
 
 TEST(AdaptiveTree, SameForAnyNumberOfThreads) {
     constexpr int depth = 7;
-    const MeshInCells input(mesh_in_cells(sample_mesh("knot"), depth), false);
+    const MeshInCells input(mesh_in_cells(sample_mesh("knot"), depth));
     for (const OctreeFilter filter : octree_filters) {
         for (const std::optional<double> max_error : {std::optional(0.5), {}}) {
             std::vector<TreeContent> trees;
@@ -57,7 +57,7 @@ TEST(AdaptiveTree, SameForAnyNumberOfThreads) {
 // Nodes that do not hang hold the distance, rounded once, and its gradient.
 TEST(AdaptiveTree, NodesThatDoNotHangHoldTheDistance) {
     constexpr int depth = 6;
-    const MeshInCells input(mesh_in_cells(sample_mesh("torus"), depth), false);
+    const MeshInCells input(mesh_in_cells(sample_mesh("torus"), depth));
     for (const OctreeFilter filter : octree_filters) {
         const HashedOctree tree = build_adaptive(
             input.distance(), {.depth = depth, .filter = filter, .max_error_cells = 1});
@@ -102,7 +102,7 @@ TEST(AdaptiveTree, DepthsFromNoneOnAreBuilt) {
 }
 
 TEST(AdaptiveTree, CancelIsHeeded) {
-    const MeshInCells input(mesh_in_cells(sample_mesh("torus"), 6), false);
+    const MeshInCells input(mesh_in_cells(sample_mesh("torus"), 6));
     EXPECT_THROW(build_adaptive(input.distance(), {.depth = 6},
                                 [](std::string_view, double) { throw Interrupted(); }),
                  Interrupted);
@@ -112,7 +112,7 @@ TEST(AdaptiveTree, CancelIsHeeded) {
 // both sides is missed, looking ahead far enough finds as many, and corners alone find no others.
 TEST(ThesisBuilders, BottomUpHasAllCellsThatNodesTellAndTopDownSomeOfThem) {
     constexpr int depth = 6;
-    const MeshInCells input(mesh_in_cells(sample_mesh("seashell"), depth), false);
+    const MeshInCells input(mesh_in_cells(sample_mesh("seashell"), depth));
     const HashedOctree all = built_bottom_up(input.distance(), depth).tree;
     const HashedOctree corners = built_top_down(input.distance(), depth, 0).tree;
     const HashedOctree ahead = built_top_down(input.distance(), depth, depth).tree;

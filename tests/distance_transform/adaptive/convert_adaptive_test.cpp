@@ -160,14 +160,15 @@ TEST(ConvertAdaptive, AnErrorFarLargerThanTheMeshGivesASmallTree) {
 }
 
 TEST(ConvertAdaptive, MemoryIsHeeded) {
-    const CheckedMesh mesh = check(sample_mesh("sphere6"));
-    AdaptiveConvertOptions options{.voxel_size_world = 0x1p-8};
-    const std::size_t needed = convert_adaptive(mesh, options).tree.memory_bytes();
-    options.memory_bytes = 0.1 * static_cast<double>(needed);
-    // So that no band is made.
-    options.sign = SignMethod::Normal;
+    const CheckedMesh mesh = check(sample_mesh("torus"));
+    AdaptiveConvertOptions options = cells_of_a_32nd;
+    options.sign = SignMethod::Normal; // so that no band is made, which takes memory too
+    const auto needed = static_cast<double>(convert_adaptive(mesh, options).tree.memory_bytes());
+    options.memory_bytes = 0.5 * needed;
     EXPECT_THAT([&] { convert_adaptive(mesh, options); },
                 ::testing::ThrowsMessage<ResourceError>(HasSubstr("memory")));
+    options.memory_bytes = 50 * needed;
+    EXPECT_NO_THROW(convert_adaptive(mesh, options));
 }
 
 } // namespace

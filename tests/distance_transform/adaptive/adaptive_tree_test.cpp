@@ -13,7 +13,7 @@ namespace {
 TEST(AdaptiveTree, IsContinuousAcrossFacesOfCellsOfAnySizes) {
     constexpr int depth = 6;
     std::size_t hanging_nodes = 0;
-    for (const std::string& name : sample_mesh_names()) {
+    for (const std::string name : {"knot", "seashell"}) {
         const MeshInCells input(mesh_in_cells(sample_mesh(name), depth));
         for (const OctreeFilter filter : octree_filters) {
             for (const std::optional<double> max_error : {std::optional(0.3), {}}) {

@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/adaptive.h"
 
+#include "distance_transform/band_tiles.h"
 #include "distance_transform/progress_meter.h"
 
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <bitset>
 #include <cmath>
@@ -137,7 +139,7 @@ public:
         const Cube cube = cube_of(leaf);
         Nodes nodes(distance_, cube, corners, hint);
         if (is_empty(cube, nodes)) {
-            grown.divided.push_back({leaf, nodes.all()});
+            add_divided(leaf, nodes, grown);
             grown.margins.insert(grown.margins.end(), 8, margin);
         } else {
             grow_children(leaf, nodes, hint, grown);
@@ -173,9 +175,16 @@ public:
     }
 
 private:
+    void add_divided(const OctreeCell& cell, Nodes& nodes, Grown& grown) const {
+        // Until the tree has it, which then takes a fifth of that.
+        constexpr double bytes = sizeof(Grown::Divided) + 8 * sizeof(Margin);
+        const double expected = bytes * static_cast<double>(++divided_count_);
+        if (expected > options_.memory_bytes) refuse_memory(expected, options_.memory_bytes);
+        grown.divided.push_back({cell, nodes.all()});
+    }
     void grow_children(const OctreeCell& cell, Nodes& nodes, ExactDistance::Hint& hint,
                        Grown& grown) const {
-        grown.divided.push_back({cell, nodes.all()});
+        add_divided(cell, nodes, grown);
         for (int i = 0; i < 8; ++i) grow(child_of(cell, i), nodes.corners_of_child(i), hint, grown);
     }
 
@@ -241,6 +250,7 @@ private:
 
     const ExactDistance& distance_;
     const AdaptiveOptions& options_;
+    mutable std::atomic<std::int64_t> divided_count_ = 0;
 };
 
 /// A tree that grows, with its nodes as they were sampled, whether they are constrained or not.

@@ -6,6 +6,7 @@
 #include "volume/hashed_octree.h"
 #include "volume/progress.h"
 
+#include <limits>
 #include <optional>
 
 namespace isocast {
@@ -19,6 +20,8 @@ struct AdaptiveOptions {
     /// It may err by more the farther a point lies beyond this from the surface [finest cells]: by
     /// a quarter of how far.
     double accurate_within_cells = 0;
+    /// May be taken while it grows.
+    double memory_bytes = std::numeric_limits<double>::infinity();
 };
 
 /// How far features are found: above the finest level no cell hides a body, or a gap, that reaches
@@ -39,6 +42,8 @@ inline constexpr double hidden_share = 0.125;
 /// cell of edge h errs by at most 0.87 h, since a distance changes no faster than its argument.
 ///
 /// The same for any number of threads.
+/// throws  InputError unless the depth is one that an octree can have; ResourceError if it would
+///         take more memory than allowed
 /// source  Sigg 2006 (thesis), 3.4, with proofs in place of its look-ahead; Frisken et al. 2000
 HashedOctree build_adaptive(const ExactDistance& distance, const AdaptiveOptions& options,
                             const Progress& progress = {});

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <chrono>
 #include <cmath>
@@ -30,6 +31,9 @@ double finest_cell_world(const AdaptiveConvertOptions& options) {
     if (options.voxel_size_world && !is_length(*options.voxel_size_world))
         throw InputError(
             fmt::format("voxel size {} is not a positive number", *options.voxel_size_world));
+    if (!(options.accurate_within_world >= 0 && std::isfinite(options.accurate_within_world)))
+        throw InputError(fmt::format("a width of {} within which the error is kept is not a length",
+                                     options.accurate_within_world));
     if (options.voxel_size_world) return *options.voxel_size_world;
     if (!options.max_error_world)
         throw InputError("an adaptive field needs a greatest error or a voxel size");
@@ -74,7 +78,8 @@ AdaptiveConvertResult convert_adaptive(const CheckedMesh& input,
     const double prepare_seconds = seconds();
     AdaptiveOptions built{.depth = depth,
                           .filter = options.filter,
-                          .accurate_within_cells = options.accurate_within_world / cell};
+                          .accurate_within_cells = options.accurate_within_world / cell,
+                          .memory_bytes = std::min(options.memory_bytes, available_memory_bytes())};
     built.max_error_cells =
         options.max_error_world ? std::optional(*options.max_error_world / cell) : std::nullopt;
     HashedOctree tree = build_adaptive(distance, built, progress);

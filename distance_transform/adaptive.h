@@ -25,7 +25,8 @@ struct AdaptiveOptions {
 };
 
 /// How far features are found: above the finest level no cell hides a body, or a gap, that reaches
-/// deeper into it than this share of the error that is allowed.
+/// deeper into it, from each of its faces, than this share of the error that is allowed. So a body
+/// that holds a ball of a greater radius is found wherever it lies.
 inline constexpr double hidden_share = 0.125;
 
 /// The octree over [0, 2^depth]^3 of a signed distance.
@@ -34,9 +35,10 @@ inline constexpr double hidden_share = 0.125;
 ///   - if a part of the surface lies in it, its corners are all on one side, and that part does not
 ///     keep within hidden_share * max_error of one of the cell's faces;
 ///   - if its interpolant is not within max_error of zero on all of that part;
-///   - if the interpolant misses the distance by more than is allowed at any of 27 points, the
-///   nodes
-///     that it would have and the centres of its children.
+///   - if the interpolant misses the distance by more than is allowed at the cell's centre; where
+///   no
+///     surface lies in it, also in the middles of three faces (the others are its neighbours') and,
+///     if cubic, at the centres of its children.
 /// The first two are proved for every point of the surface, by geometry (MeshDistance) or by
 /// Lipschitz's bound, so that the missed features of the thesis's figure 3.4 cannot occur. A finest
 /// cell of edge h errs by at most 0.87 h, since a distance changes no faster than its argument.

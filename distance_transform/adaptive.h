@@ -36,9 +36,8 @@ inline constexpr double hidden_share = 0.125;
 ///     keep within hidden_share * max_error of one of the cell's faces;
 ///   - if its interpolant is not within max_error of zero on all of that part;
 ///   - if the interpolant misses the distance by more than is allowed at the cell's centre; where
-///   no
-///     surface lies in it, also in the middles of three faces (the others are its neighbours') and,
-///     if cubic, at the centres of its children.
+///     it holds no surface, also in the middles of three faces (the others are its neighbours')
+///     and, if cubic, at the centres of its children.
 /// The first two are proved for every point of the surface, by geometry (MeshDistance) or by
 /// Lipschitz's bound, so that the missed features of the thesis's figure 3.4 cannot occur. A finest
 /// cell of edge h errs by at most 0.87 h, since a distance changes no faster than its argument.

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cmath>
 
 namespace isocast {
 
@@ -99,10 +100,10 @@ nlohmann::ordered_json to_json(const ConvertReport& report, std::size_t threads)
             {"max_error", octree.max_error_world},
             {"finest_cell", octree.finest_cell_world},
             {"depth", octree.depth},
-            {"cells", octree.cells},
-            {"nodes", octree.nodes},
-            {"sampled_nodes", octree.free_nodes},
-            {"bytes", octree.bytes},
+            {"cells", std::llround(octree.cells)},
+            {"nodes", std::llround(octree.nodes)},
+            {"sampled_nodes", std::llround(octree.free_nodes)},
+            {"bytes", std::llround(octree.bytes)},
             {"interpolation", octree.filter == OctreeFilter::Linear ? "linear" : "cubic"}};
     }
     json["voxel_size"] = report.options.voxel_size_world;

@@ -82,6 +82,12 @@ AdaptiveConvertResult convert_adaptive(const CheckedMesh& input,
                           .memory_bytes = std::min(options.memory_bytes, available_memory_bytes())};
     built.max_error_cells =
         options.max_error_world ? std::optional(*options.max_error_world / cell) : std::nullopt;
+    // A distance changes no faster than its argument: half a cell's diagonal.
+    if (options.max_error_world &&
+        std::numbers::sqrt3 / 2 * cell > 1.001 * *options.max_error_world)
+        sign.warnings.push_back(
+            fmt::format("Finest cells of {:.4g} can err by {:.4g}, which is more than {:.4g}.",
+                        cell, std::numbers::sqrt3 / 2 * cell, *options.max_error_world));
     HashedOctree tree = build_adaptive(distance, built, progress);
     for (HashedOctree::NodeNumber node = 0; node < tree.node_count(); ++node)
         for (float& value : tree.data_of(node)) value = static_cast<float>(value * cell);

@@ -113,14 +113,13 @@ std::unique_ptr<FieldSource> read_field(const std::filesystem::path& path,
     const VolumeFormat* const format = volume_format_of(path);
     if (format == nullptr && !is_octree_file(path))
         return std::make_unique<SparseField>(read_vdb(path, grid_name, memory_bytes));
-    if (!grid_name.empty())
+    if (!grid_name.empty() && !(is_octree_file(path) && grid_name == "octree"))
         cannot_read(path,
                     fmt::format("no grid named '{}': only .vdb files hold named grids", grid_name));
     if (format == nullptr) {
         OctreeFile file = read_octree(path);
         const auto tree = std::make_shared<const HashedOctree>(std::move(file.tree));
-        return std::make_unique<OctreeField>(tree, file.space, 0,
-                                             finest_surface_level(*tree));
+        return std::make_unique<OctreeField>(tree, file.space, 0, finest_surface_level(*tree));
     }
     return open_volume(format->header(path), path, memory_bytes);
 }

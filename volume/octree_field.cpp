@@ -75,7 +75,10 @@ bool OctreeField::is_in_reach(const OctreeCell& leaf) const {
 }
 
 int OctreeField::finest_leaf(const OctreeCell& cell) const {
-    if (!tree_->is_divided(cell)) return is_in_reach(cell) ? cell.level : greatest_octree_depth;
+    if (!tree_->is_divided(cell)) {
+        const OctreeCell leaf = tree_->find(cell) ? cell : tree_->leaf_at(cell.position.cast<double>());
+        return is_in_reach(leaf) ? leaf.level : greatest_octree_depth;
+    }
     int finest = greatest_octree_depth;
     for (int i = 0; i < 8 && finest > 0; ++i)
         finest = std::min(finest, finest_leaf(child_of(cell, i)));
@@ -187,8 +190,9 @@ void OctreeField::copy_box(const IndexBox& box, int level, std::span<float> out)
             }
     };
     fill(fill, tree_->root());
-    const int across = 1 << std::max(tree_->depth() - shift, 0);
-    const IndexBox all{Index3::Zero(), Index3::Constant(across + 1)};
+    // Of a lattice of larger cells than the root it holds sample 0 alone.
+    const int last = tree_->depth() >= shift ? 1 << (tree_->depth() - shift) : 0;
+    const IndexBox all{Index3::Zero(), Index3::Constant(last + 1)};
     if (intersection(box, all) == box) return;
     // Beyond the extent the samples at the border continue.
     for (int z = box.lo.z(); z < box.hi.z(); ++z)

@@ -533,12 +533,15 @@ std::vector<GridDescription> describe_vdb(const std::filesystem::path& path) {
 
 namespace {
 
-void write_grids(const vdb::GridCPtrVec& grids, const std::filesystem::path& path) {
+void write_grids(const std::function<vdb::GridCPtrVec()>& make_grids,
+                 const std::filesystem::path& path) {
     AtomicFile output(path);
+    vdb::initialize();
     const auto fail = [&](const std::string& cause) {
         return fmt::format("cannot write {}: {}", path.string(), cause);
     };
     try {
+        const vdb::GridCPtrVec grids = make_grids();
         std::ofstream file(output.temporary_path(), std::ios::binary | std::ios::trunc);
         file.exceptions(std::ios::failbit | std::ios::badbit);
         errno = 0;
@@ -557,22 +560,24 @@ void write_grids(const vdb::GridCPtrVec& grids, const std::filesystem::path& pat
 
 void write_vdb(const SparseField& field, const std::filesystem::path& path,
                const std::map<std::string, std::string>& metadata, const ClosestGrids& closest) {
-    vdb::initialize();
-    write_grids(to_grids(field, metadata, closest), path);
+    write_grids([&] { return to_grids(field, metadata, closest); }, path);
 }
 
 void write_vdb_levels(const std::function<SparseField(int level)>& field_of, int level_count,
                       const std::filesystem::path& path,
                       const std::map<std::string, std::string>& metadata) {
-    vdb::initialize();
-    vdb::GridCPtrVec grids;
-    for (int level = 0; level < level_count; ++level) {
-        const vdb::FloatGrid::Ptr grid = to_vdb_grid(field_of(level));
-        grid->setName(fmt::format("surface_level_{}", level));
-        for (const auto& [key, text] : metadata) grid->insertMeta(key, vdb::StringMetadata(text));
-        grids.push_back(grid);
-    }
-    write_grids(grids, path);
+    const auto make_grids = [&] {
+        vdb::GridCPtrVec grids;
+        for (int level = 0; level < level_count; ++level) {
+            const vdb::FloatGrid::Ptr grid = to_vdb_grid(field_of(level));
+            grid->setName(fmt::format("surface_level_{}", level));
+            for (const auto& [key, text] : metadata)
+                grid->insertMeta(key, vdb::StringMetadata(text));
+            grids.push_back(grid);
+        }
+        return grids;
+    };
+    write_grids(make_grids, path);
 }
 
 } // namespace isocast

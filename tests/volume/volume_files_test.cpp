@@ -48,7 +48,7 @@ TEST(VolumeFiles, ExtensionsAreKnownInAnyCase) {
         EXPECT_TRUE(is_field_file(name)) << name;
     for (const char* name : {"a.raw", "a.gz", "a.tar.gz", "nrrd", "a.vti", "a.obj"})
         EXPECT_FALSE(is_field_file(name)) << name;
-    EXPECT_EQ(field_file_extensions(), ".vdb .nrrd .nhdr .mhd .mha .nii .nii.gz");
+    EXPECT_EQ(field_file_extensions(), ".vdb .hoct .nrrd .nhdr .mhd .mha .nii .nii.gz");
     EXPECT_THAT(message_of<InputError>([] { read_field("a.tif"); }), HasSubstr(".nii.gz"));
 }
 

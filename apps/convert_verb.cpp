@@ -248,7 +248,7 @@ ConvertReport mesh_job(const ConvertCommand& command, const Job& job, const Inpu
                           command.voxel_size_world || command.resolution
                               ? std::optional(report.options.voxel_size_world)
                               : std::nullopt,
-                          command.dry_run, report, progress);
+                          command.band_world.value_or(0), command.dry_run, report, progress);
     else if (command.dry_run)
         report.expected = estimate(mesh, report.options);
     else if (command.is_dense() || command.extend == Extend::Full)
@@ -345,7 +345,8 @@ void add_accuracy_options(CLI::App& app, ConvertCommand& command) {
                             "Half width of the band, in voxels (default 3)")
                      ->type_name("B");
     add_parsed(app, "--band-world", command.band_world, number_from,
-               "Half width of the band, in units of the mesh")
+               "Half width of the band, in units of the mesh; of --method octree: how far from the "
+               "surface the error is kept")
         ->type_name("D")
         ->excludes(band);
 }

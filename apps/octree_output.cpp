@@ -71,12 +71,13 @@ void add_octree_options(CLI::App& app, OctreeCommand& command) {
 }
 
 void convert_to_octree(const OctreeCommand& command, const CheckedMesh& mesh,
-                       const std::optional<double>& voxel_size_world, bool is_dry_run,
-                       ConvertReport& report, const Progress& progress) {
+                       const std::optional<double>& voxel_size_world, double accurate_within_world,
+                       bool is_dry_run, ConvertReport& report, const Progress& progress) {
     const double longest = bounding_box(mesh.mesh).size().maxCoeff();
     AdaptiveConvertOptions options{
         .max_error_world = command.max_error_world.value_or(longest / 1000),
         .voxel_size_world = voxel_size_world,
+        .accurate_within_world = accurate_within_world,
         .filter = command.filter,
         .sign = report.options.sign,
         .memory_bytes = report.options.memory_bytes,

@@ -27,10 +27,11 @@ void add_octree_options(CLI::App& app, OctreeCommand& command);
 /// Builds the octree, writes it to report.output, and fills in the report. For a dry run it only
 /// estimates.
 ///
-/// voxel_size_world  edge of the finest cells, if given
+/// voxel_size_world       edge of the finest cells, if given
+/// accurate_within_world  AdaptiveConvertOptions'
 void convert_to_octree(const OctreeCommand& command, const CheckedMesh& mesh,
-                       const std::optional<double>& voxel_size_world, bool is_dry_run,
-                       ConvertReport& report, const Progress& progress);
+                       const std::optional<double>& voxel_size_world, double accurate_within_world,
+                       bool is_dry_run, ConvertReport& report, const Progress& progress);
 
 /// An octree file to a .vdb file. returns  the active voxels of all grids
 std::int64_t export_octree(const std::filesystem::path& from, const std::filesystem::path& to,

@@ -35,7 +35,7 @@ TEST(AdaptiveTree, IsContinuousAcrossFacesOfCellsOfAnySizes) {
 }
 
 TEST(AdaptiveTree, SameForAnyNumberOfThreads) {
-    constexpr int depth = 7;
+    constexpr int depth = 6;
     const MeshInCells input(mesh_in_cells(sample_mesh("knot"), depth));
     for (const OctreeFilter filter : octree_filters) {
         for (const std::optional<double> max_error : {std::optional(0.5), {}}) {

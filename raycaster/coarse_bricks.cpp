@@ -193,6 +193,12 @@ struct Budget {
     }
 };
 
+Budget budget_of(const StorageOptions& options) {
+    const int texel_bytes = gl::byte_count(texel_format(options));
+    return {std::min(options.budget_bytes / texel_bytes, gl::max_buffer_texels()), texel_bytes,
+            options.fetch};
+}
+
 std::int64_t texels_of_brick(Fetch fetch, int level) {
     const std::int64_t n = samples_across(level);
     return n * n * (fetch == Fetch::Rows ? block_size >> level : n);
@@ -234,6 +240,19 @@ void choose_levels(std::vector<Candidate>& candidates, const Budget& budget) {
     }
 }
 
+/// Greatest |value - iso| of the samples that coarse blocks of a page are stored as.
+float greatest_coarse_value(const CoarsenedField& field, const Index3& page, std::uint64_t mask,
+                            float iso) {
+    float greatest = 0;
+    for_blocks(page, mask, [&](const Index3& block) {
+        const int level = field.levels().at(block);
+        if (level == 0) return;
+        for (const double sample : field.samples_at(samples_of_block(block, level), level))
+            greatest = std::max(greatest, std::abs(static_cast<float>(sample) - iso));
+    });
+    return greatest;
+}
+
 /// What is known once levels stand: residuals in `blocks`, and what is stored.
 void measure(const FieldSource& control, const BlocksOfPages& blocks, float iso,
              CoarseBricks& bricks) {
@@ -247,13 +266,7 @@ void measure(const FieldSource& control, const BlocksOfPages& blocks, float iso,
         for (const Residual& block : residuals_of(f, g, mask, iso))
             residual = std::max(residual, block.at_surface);
         for (const float sample : g) value = std::max(value, std::abs(sample - iso));
-        for_blocks(page, mask, [&, value = &value](const Index3& block) {
-            const int level = bricks.field->levels().at(block);
-            if (level == 0) return;
-            for (const double sample :
-                 bricks.field->samples_at(samples_of_block(block, level), level))
-                *value = std::max(*value, std::abs(static_cast<float>(sample) - iso));
-        });
+        value = std::max(value, greatest_coarse_value(*bricks.field, page, mask, iso));
     });
     bricks.greatest_residual = 0;
     bricks.greatest_value = 0;
@@ -360,9 +373,7 @@ std::optional<CoarseBricks> coarsen(const std::shared_ptr<const FieldSource>& co
         throw InputError(fmt::format("bricks of {} cells cannot be coarsened, only those of {}",
                                      options.brick_size, block_size));
     }
-    const int texel_bytes = gl::byte_count(texel_format(options));
-    const Budget budget{std::min(options.budget_bytes / texel_bytes, gl::max_buffer_texels()),
-                        texel_bytes, options.fetch};
+    const Budget budget = budget_of(options);
     BlocksOfPages fresh = by_pages(ranges, active);
     BlocksOfPages known;
     {
@@ -458,21 +469,24 @@ std::optional<CoarseBricks> adapt(const FieldSource& field,
         CoarseBricks bricks{.field =
                                 std::make_shared<CoarsenedField>(control, std::move(levels), true)};
         with_all(*bricks.field);
-        for (const ActivePage& page : active) {
-            const ValueRange& samples = ranges.pages[page.page].samples;
-            bricks.greatest_value =
-                std::max({bricks.greatest_value, iso - samples.min, samples.max - iso});
-        }
-        // Coarse samples may lie outside the range of those that are made of them.
-        bricks.greatest_value *= 2;
-        if (options.format != SampleFormat::Float32)
+        const auto find_greatest_value = [&] {
+            std::vector<float> values(active.size());
+            tbb::parallel_for(std::size_t{0}, active.size(), [&](std::size_t i) {
+                const BlockPage& page = ranges.pages[active[i].page];
+                values[i] = std::max(
+                    {iso - page.samples.min, page.samples.max - iso,
+                     greatest_coarse_value(*bricks.field, page.coordinate, active[i].blocks, iso)});
+            });
+            bricks.greatest_value = values.empty() ? 0 : std::ranges::max(values);
+        };
+        find_greatest_value();
+        if (options.format != SampleFormat::Float32) {
             active =
                 active_pages(ranges, iso, Codec(options.format, bricks.greatest_value).error());
+            find_greatest_value();
+        }
         bricks.counts = counts_of(by_pages(ranges, active), bricks.field->levels());
-        const int texel_bytes = gl::byte_count(texel_format(options));
-        const Budget budget{std::min(options.budget_bytes / texel_bytes, gl::max_buffer_texels()),
-                            texel_bytes, options.fetch};
-        if (budget.holds(bricks.counts)) return bricks;
+        if (budget_of(options).holds(bricks.counts)) return bricks;
     }
     with_all(*control);
     return std::nullopt;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "volume/progress.h"
+#include "volume/stopwatch.h"
 
 #include <chrono>
 #include <mutex>
@@ -35,21 +36,6 @@ private:
     std::mutex mutex_;
     bool line_is_shown_ = false;
     std::chrono::steady_clock::time_point shown_at_;
-};
-
-/// Wall time since it was made, or since the last lap [s].
-class Stopwatch {
-public:
-    double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
-    double lap() {
-        const double elapsed = seconds();
-        start_ = Clock::now();
-        return elapsed;
-    }
-
-private:
-    using Clock = std::chrono::steady_clock;
-    Clock::time_point start_ = Clock::now();
 };
 
 /// The most memory that this process has held so far.

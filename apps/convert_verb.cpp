@@ -355,42 +355,28 @@ void add_method_options(CLI::App& app, ConvertCommand& command) {
     add_parsed(app, "--sign", command.sign, sign_method_from_name,
                "How inside is told from outside: auto, normal (closed meshes), winding, unsigned")
         ->type_name("METHOD");
-    add_parsed(
+    add_choice<Method>(
         app, "--method", command.method,
-        [](std::string_view text) {
-            return choice_from<Method>(text, {{"octree", Method::Octree},
-                                              {"prism", Method::Prism},
-                                              {"csc", Method::Csc},
-                                              {"kdtree", Method::KdTree},
-                                              {"points", Method::Points}});
-        },
+        {{"octree", Method::Octree},
+         {"prism", Method::Prism},
+         {"csc", Method::Csc},
+         {"kdtree", Method::KdTree},
+         {"points", Method::Points}},
         "prism (default), csc (reference, one thread), kdtree (every sample), octree (adaptive), "
         "points (vertices alone)")
         ->type_name("METHOD");
     add_point_options(app, command.meshless);
     add_octree_options(app, command.octree);
-    add_parsed(
-        app, "--prism", command.prism,
-        [](std::string_view text) {
-            return choice_from<PrismKind>(
-                text, {{"exact", PrismKind::Exact}, {"printed", PrismKind::Printed}});
-        },
-        "exact (default), or printed as in the thesis, for comparison")
+    add_choice<PrismKind>(app, "--prism", command.prism,
+                          {{"exact", PrismKind::Exact}, {"printed", PrismKind::Printed}},
+                          "exact (default), or printed as in the thesis, for comparison")
         ->type_name("KIND");
-    add_parsed(
-        app, "--extend", command.extend,
-        [](std::string_view text) {
-            return choice_from<Extend>(
-                text, {{"none", Extend::None}, {"full", Extend::Full}, {"exact", Extend::Exact}});
-        },
-        "Beyond the band: none (default), full by fast sweeping, exact by kD-tree")
+    add_choice<Extend>(app, "--extend", command.extend,
+                       {{"none", Extend::None}, {"full", Extend::Full}, {"exact", Extend::Exact}},
+                       "Beyond the band: none (default), full by fast sweeping, exact by kD-tree")
         ->type_name("HOW");
-    add_parsed(
-        app, "--device", command.device,
-        [](std::string_view text) {
-            return choice_from<Device>(text, {{"cpu", Device::Cpu}, {"gl", Device::Gl}});
-        },
-        "Where bands are scan converted: cpu (default), or gl, with the same result")
+    add_choice<Device>(app, "--device", command.device, {{"cpu", Device::Cpu}, {"gl", Device::Gl}},
+                       "Where bands are scan converted: cpu (default), or gl, with the same result")
         ->type_name("DEVICE");
     app.add_flag("--closest", command.closest,
                  "Also store the vector to the closest point, and the number of its feature");

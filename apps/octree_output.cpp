@@ -52,20 +52,13 @@ void add_octree_options(CLI::App& app, OctreeCommand& command) {
                "Of --method octree: what the field may err by at the surface, in units of the mesh "
                "(default a thousandth of its longest side)")
         ->type_name("E");
-    add_parsed(
-        app, "--interpolation", command.filter,
-        [](std::string_view text) {
-            return choice_from<OctreeFilter>(
-                text, {{"linear", OctreeFilter::Linear}, {"cubic", OctreeFilter::Cubic}});
-        },
-        "Of --method octree: linear (default), or cubic, for smooth surfaces")
+    add_choice<OctreeFilter>(app, "--interpolation", command.filter,
+                             {{"linear", OctreeFilter::Linear}, {"cubic", OctreeFilter::Cubic}},
+                             "Of --method octree: linear (default), or cubic, for smooth surfaces")
         ->type_name("KIND");
-    add_parsed(
+    add_choice<OctreeGrids>(
         app, "--grids", command.grids,
-        [](std::string_view text) {
-            return choice_from<OctreeGrids>(
-                text, {{"finest", OctreeGrids::Finest}, {"levels", OctreeGrids::Levels}});
-        },
+        {{"finest", OctreeGrids::Finest}, {"levels", OctreeGrids::Levels}},
         "Of an octree to .vdb: a band of the finest cells (default), or one for each level")
         ->type_name("WHICH");
 }

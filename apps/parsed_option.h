@@ -9,6 +9,9 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 namespace isocast {
 
@@ -45,16 +48,22 @@ inline void add_threads(CLI::App& app, std::size_t& threads) {
         ->type_name("N");
 }
 
-/// throws  UsageError that lists the known names
+/// Adds an option whose text is one of some names; another is a usage error that lists these.
 template<class Value>
-Value choice_from(std::string_view text,
-                  std::initializer_list<std::pair<std::string_view, Value>> known) {
-    std::string names;
-    for (const auto& [name, value] : known) {
-        if (name == text) return value;
-        names += fmt::format("{}{}", names.empty() ? "" : ", ", name);
-    }
-    throw UsageError(fmt::format("'{}' is none of {}", text, names));
+CLI::Option* add_choice(CLI::App& app, const std::string& name, Value& value,
+                        std::vector<std::pair<std::string_view, Value>> known,
+                        const std::string& help) {
+    return add_parsed(
+        app, name, value,
+        [known = std::move(known)](std::string_view text) {
+            std::string names;
+            for (const auto& [word, meant] : known) {
+                if (word == text) return meant;
+                names += fmt::format("{}{}", names.empty() ? "" : ", ", word);
+            }
+            throw UsageError(fmt::format("'{}' is none of {}", text, names));
+        },
+        help);
 }
 
 } // namespace isocast

@@ -14,7 +14,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <tuple>
 #include <utility>
 
 namespace isocast {
@@ -24,16 +23,14 @@ namespace {
 /// Levels that are divided whatever the distance, so that threads have something to share.
 constexpr int divided_levels = 3;
 
-/// How fast the allowed error grows with the distance beyond AdaptiveOptions::accurate_within.
+/// How fast the allowed error grows with the distance beyond AdaptiveOptions::accurate_within. The
+/// bunny takes 1.6 times as many sampled nodes with a quarter of it, and as many with four times
+/// it.
 constexpr double far_share = 0.25;
 
 /// The 27 nodes of a cell's children, x fastest.
 constexpr std::size_t node_place(int x, int y, int z) {
     return static_cast<std::size_t>(x + 3 * (y + 3 * z));
-}
-
-Vec3d corner_direction(int i) {
-    return {i & 1 ? 1.0 : -1.0, i & 2 ? 1.0 : -1.0, i & 4 ? 1.0 : -1.0};
 }
 
 NodeData node_data(const ExactDistance::Sample& sample) {
@@ -283,7 +280,7 @@ public:
             tbb::blocked_range<std::size_t>(0, leaves.size(), 1), [&](const auto& some) {
                 for (std::size_t i = some.begin(); i < some.end(); ++i) {
                     ExactDistance::Hint hint = 0;
-                    const std::array<NodeData, 8> corners = corners_of(leaves[i], sampled_);
+                    const std::array<NodeData, 8> corners = sampled_corners(leaves[i]);
                     if (must_divide)
                         builder_.divide(leaves[i], corners, margins_[number_of(leaves[i])], hint,
                                         grown[i]);
@@ -323,9 +320,7 @@ public:
         std::vector<OctreeCell> all;
         for (const std::vector<OctreeCell>& some : found)
             all.insert(all.end(), some.begin(), some.end());
-        std::ranges::sort(all, {}, [](const OctreeCell& cell) {
-            return std::tuple(cell.position.z(), cell.position.y(), cell.position.x());
-        });
+        std::ranges::sort(all, zyx_less, &OctreeCell::position);
         const auto [first, last] = std::ranges::unique(all);
         all.erase(first, last);
         return all;
@@ -356,20 +351,16 @@ private:
         margins_.resize(tree_.cell_number_end());
     }
 
-    std::array<NodeData, 8> corners_of(const OctreeCell& cell,
-                                       const std::vector<float>& nodes) const {
-        std::array<NodeData, 8> corners{};
-        const auto numbers = tree_.nodes_of(number_of(cell));
-        for (std::size_t i = 0; i < 8; ++i)
-            std::copy_n(&nodes[numbers[i] * components()], components(), corners[i].begin());
-        return corners;
+    std::array<NodeData, 8> copy_of(const CornerData& corners) const {
+        std::array<NodeData, 8> copy{};
+        for (std::size_t i = 0; i < 8; ++i) std::copy_n(corners[i], components(), copy[i].begin());
+        return copy;
     }
-    std::array<NodeData, 8> corners_as_they_are(const OctreeCell& cell) const {
-        std::array<NodeData, 8> corners{};
+    std::array<NodeData, 8> sampled_corners(const OctreeCell& cell) const {
         const auto numbers = tree_.nodes_of(number_of(cell));
-        for (std::size_t i = 0; i < 8; ++i)
-            std::ranges::copy(tree_.data_of(numbers[i]), corners[i].begin());
-        return corners;
+        CornerData corners;
+        for (std::size_t i = 0; i < 8; ++i) corners[i] = &sampled_[numbers[i] * components()];
+        return copy_of(corners);
     }
 
     void add(const OctreeCell& cell, const Grown& grown) {
@@ -392,8 +383,9 @@ private:
     }
 
     bool is_spoiled(const OctreeCell& leaf) const {
-        return builder_.is_spoiled(leaf, margins_[number_of(leaf)], corners_of(leaf, sampled_),
-                                   corners_as_they_are(leaf));
+        const auto number = number_of(leaf);
+        return builder_.is_spoiled(leaf, margins_[number], sampled_corners(leaf),
+                                   copy_of(tree_.corners_of(number)));
     }
 
     /// The leaves that have a constrained corner of the cell on an edge or a face.

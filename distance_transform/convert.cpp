@@ -14,6 +14,7 @@
 #include "distance_transform/tile_transform.h"
 #include "volume/available_memory.h"
 #include "volume/errors.h"
+#include "volume/stopwatch.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -21,7 +22,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <numeric>
 
@@ -37,12 +37,6 @@ struct SignName {
 constexpr std::array sign_names = {
     SignName{"auto", SignMethod::Auto}, SignName{"normal", SignMethod::Normal},
     SignName{"winding", SignMethod::Winding}, SignName{"unsigned", SignMethod::Unsigned}};
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// Whether rounding to voxels has made one of two neighbouring vertices.
 bool has_merged_vertices(const Mesh& mesh) {
@@ -76,10 +70,10 @@ struct Band {
 Band scan_band(const LatticeMesh& lattice, const MeshTopology& topology,
                const ConvertOptions& options, double memory_bytes, BandSigns signs,
                const Progress& progress) {
-    const auto start = Clock::now();
+    const Stopwatch time;
     const Sites sites(lattice.mesh, topology, options.half_width_voxels);
     const BandTiles found = find_band_tiles(sites, memory_bytes, progress);
-    Band band{.prepare_seconds = seconds_since(start)};
+    Band band{.prepare_seconds = time.seconds()};
     if (options.scanner) {
         band.samples.blocks = options.scanner(sites, found, signs.winding, options.voxel_size_world,
                                               band.distance_evaluations, progress);
@@ -112,17 +106,7 @@ Band reference_band(const LatticeMesh& lattice, const ConvertOptions& options, d
 } // namespace
 
 void require_usable(const ConvertOptions& options) {
-    if (!(options.voxel_size_world > 0) || !std::isfinite(options.voxel_size_world))
-        throw InputError(
-            fmt::format("voxel size {} is not a positive number", options.voxel_size_world));
-    if (!(options.half_width_voxels >= 1) || !std::isfinite(options.half_width_voxels))
-        throw InputError(fmt::format("half width {} is below 1 voxel", options.half_width_voxels));
-    const double half_width_world = options.half_width_voxels * options.voxel_size_world;
-    if (!(half_width_world >= std::numeric_limits<float>::min() &&
-          half_width_world <= std::numeric_limits<float>::max()))
-        throw InputError(fmt::format("a half width of {:.3g} is beyond what 32-bit floats hold; "
-                                     "scale the mesh",
-                                     half_width_world));
+    require_band(options.voxel_size_world, options.half_width_voxels, "; scale the mesh");
     if (options.closest && (options.method != BandMethod::Scan || options.scanner))
         throw InputError("only scan conversion on the CPU finds closest points");
     if (options.scanner && options.sign == SignMethod::Unsigned)
@@ -156,7 +140,7 @@ double voxel_size_for_resolution(const WorldBox& box, int resolution) {
 ConvertResult convert(const CheckedMesh& input, const ConvertOptions& options,
                       const Progress& progress) {
     require_usable(options);
-    const auto start = Clock::now();
+    const Stopwatch time;
     const double half_width = options.half_width_voxels;
     const double background = half_width * options.voxel_size_world;
     const double memory = std::min(options.memory_bytes, available_memory_bytes());
@@ -225,7 +209,7 @@ ConvertResult convert(const CheckedMesh& input, const ConvertOptions& options,
         .sign_reason = std::move(sign.reason),
         .closest = std::move(band.samples.closest),
         .time = {.prepare_seconds = band.prepare_seconds,
-                 .transform_seconds = seconds_since(start) - band.prepare_seconds},
+                 .transform_seconds = time.seconds() - band.prepare_seconds},
         .distance_evaluations = band.distance_evaluations,
         .warnings = std::move(sign.warnings),
     };
@@ -274,11 +258,11 @@ IndexBox dense_box(const CheckedMesh& input, const ConvertOptions& options) {
 DenseConvertResult convert_dense(const CheckedMesh& input, const ConvertOptions& options,
                                  const Progress& progress) {
     require_usable(options);
-    const auto start = Clock::now();
+    const Stopwatch time;
     const LatticeMesh lattice =
         on_lattice(input.mesh, options.voxel_size_world, options.half_width_voxels);
-    SignChoice sign = sign_by_band(input, options.sign, options.voxel_size_world,
-                                   options.memory_bytes, progress);
+    SignChoice sign =
+        sign_by_band(input, options.sign, options.voxel_size_world, options.memory_bytes, progress);
     if (sign.method == SignMethod::Unsigned)
         throw InputError(
             fmt::format("a full field needs signs, and {}",
@@ -295,7 +279,7 @@ DenseConvertResult convert_dense(const CheckedMesh& input, const ConvertOptions&
     return {.field = std::move(dense.field),
             .sign_used = sign.method,
             .sign_reason = std::move(sign.reason),
-            .seconds = seconds_since(start),
+            .seconds = time.seconds(),
             .distance_evaluations = dense.distance_evaluations,
             .warnings = std::move(sign.warnings)};
 }

@@ -7,12 +7,13 @@
 #include "distance_transform/sign_choice.h"
 #include "volume/available_memory.h"
 #include "volume/errors.h"
+#include "volume/sparse_field.h"
+#include "volume/stopwatch.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <bit>
-#include <chrono>
 #include <cmath>
 #include <numbers>
 
@@ -20,7 +21,8 @@ namespace isocast {
 
 namespace {
 
-/// Along the mesh, of the band that tells whether normals contradict each other.
+/// Along the mesh, of the band that tells whether normals contradict each other: fine enough to
+/// take a tenth of a second.
 constexpr double band_voxels = 128;
 
 double finest_cell_world(const AdaptiveConvertOptions& options) {
@@ -28,9 +30,7 @@ double finest_cell_world(const AdaptiveConvertOptions& options) {
     if (options.max_error_world && !is_length(*options.max_error_world))
         throw InputError(
             fmt::format("a greatest error of {} is not a length", *options.max_error_world));
-    if (options.voxel_size_world && !is_length(*options.voxel_size_world))
-        throw InputError(
-            fmt::format("voxel size {} is not a positive number", *options.voxel_size_world));
+    if (options.voxel_size_world) require_voxel_size(*options.voxel_size_world);
     if (!(options.accurate_within_world >= 0 && std::isfinite(options.accurate_within_world)))
         throw InputError(fmt::format("a width of {} within which the error is kept is not a length",
                                      options.accurate_within_world));
@@ -45,10 +45,7 @@ double finest_cell_world(const AdaptiveConvertOptions& options) {
 AdaptiveConvertResult convert_adaptive(const CheckedMesh& input,
                                        const AdaptiveConvertOptions& options,
                                        const Progress& progress) {
-    const auto start = std::chrono::steady_clock::now();
-    const auto seconds = [&] {
-        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    };
+    const Stopwatch time;
     const double cell = finest_cell_world(options);
     const double margin = std::ceil(options.accurate_within_world / cell) + 2;
     const double longest = bounding_box(input.mesh).size().maxCoeff();
@@ -75,7 +72,7 @@ AdaptiveConvertResult convert_adaptive(const CheckedMesh& input,
     if (sign.method == SignMethod::Winding)
         winding.emplace(lattice.mesh, input.verdict.is_closed() && input.verdict.is_oriented());
     const MeshDistance distance(lattice.mesh, input.topology, winding ? &*winding : nullptr);
-    const double prepare_seconds = seconds();
+    const double prepare_seconds = time.seconds();
     AdaptiveOptions built{.depth = depth,
                           .filter = options.filter,
                           .accurate_within_cells = options.accurate_within_world / cell,
@@ -98,7 +95,7 @@ AdaptiveConvertResult convert_adaptive(const CheckedMesh& input,
             .sign_used = sign.method,
             .sign_reason = std::move(sign.reason),
             .prepare_seconds = prepare_seconds,
-            .transform_seconds = seconds() - prepare_seconds,
+            .transform_seconds = time.seconds() - prepare_seconds,
             .warnings = std::move(sign.warnings)};
 }
 

@@ -9,25 +9,19 @@
 #include "distance_transform/progress_meter.h"
 #include "volume/available_memory.h"
 #include "volume/errors.h"
+#include "volume/stopwatch.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numbers>
 
 namespace isocast {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// The points, and behind them the corners of a triangle for each, of its share of the surface.
 Mesh splats(const CheckedPoints& input) {
@@ -232,7 +226,7 @@ private:
 ConvertResult convert_points(const CheckedPoints& input, const ConvertOptions& options,
                              const MeshlessOptions& meshless, const Progress& progress) {
     require_usable(options);
-    const auto start = Clock::now();
+    const Stopwatch time;
     if (progress) progress("prepare", 0);
     const double voxel = options.voxel_size_world;
     const double memory = std::min(options.memory_bytes, available_memory_bytes());
@@ -249,7 +243,7 @@ ConvertResult convert_points(const CheckedPoints& input, const ConvertOptions& o
                          input.cloud.normals, meshless);
     const WindingNumber winding(lattice.mesh, false);
     const std::vector<Index3> coordinates = blocks_in_reach(field.points(), reach, memory);
-    const double prepare_seconds = seconds_since(start);
+    const double prepare_seconds = time.seconds();
 
     FieldBlocks blocks(coordinates.size());
     const PointBand band(field, winding, reach, voxel);
@@ -275,7 +269,7 @@ ConvertResult convert_points(const CheckedPoints& input, const ConvertOptions& o
             .sign_used = SignMethod::Winding,
             .sign_reason = "near the points as they face",
             .time = {.prepare_seconds = prepare_seconds,
-                     .transform_seconds = seconds_since(start) - prepare_seconds},
+                     .transform_seconds = time.seconds() - prepare_seconds},
             .distance_evaluations = 0};
 }
 

@@ -30,11 +30,6 @@ std::uint32_t next(std::uint32_t corner) {
     return corner % 3 == 2 ? corner - 2 : corner + 1;
 }
 
-/// Between two vectors, as exact when small.
-double angle_between(const Vec3d& a, const Vec3d& b) {
-    return std::atan2(a.cross(b).norm(), a.dot(b));
-}
-
 } // namespace
 
 std::vector<Eigen::Vector3f> corner_normals(const Mesh& mesh, const MeshTopology& topology,

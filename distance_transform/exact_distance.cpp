@@ -20,8 +20,8 @@ SurfaceInCube LipschitzDistance::surface_in(const Cube& cube, const CellFunction
     SurfaceInCube all;
     const double half = cube.half_edge / 2;
     for (int i = 0; i < 8 && std::isfinite(all.bound); ++i) {
-        const Vec3d offset(i & 1 ? half : -half, i & 2 ? half : -half, i & 4 ? half : -half);
-        const SurfaceInCube part = surface_in({cube.centre + offset, half}, g, tolerance);
+        const SurfaceInCube part =
+            surface_in({cube.centre + half * corner_direction(i), half}, g, tolerance);
         if (!part.is_there) continue;
         all.is_there = true;
         all.bound = std::max(all.bound, part.bound);

@@ -24,10 +24,6 @@ constexpr double culling_slack = 1e-6;
 
 using Corners = std::array<Vec3d, 3>;
 
-Vec3d corner_direction(int k) {
-    return {k & 1 ? 1.0 : -1.0, k & 2 ? 1.0 : -1.0, k & 4 ? 1.0 : -1.0};
-}
-
 double distance_to(const Vec3d& p, const Corners& triangle) {
     return std::sqrt(closest_point(p, triangle).squared_distance);
 }

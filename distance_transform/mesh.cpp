@@ -5,6 +5,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
+#include <cmath>
 #include <limits>
 
 namespace isocast {
@@ -38,6 +39,10 @@ Vec3d face_normal(const Mesh& mesh, int triangle) {
         if (edges[k].squaredNorm() > edges[longest].squaredNorm()) longest = k;
     }
     return edges[(longest + 1) % 3].cross(edges[(longest + 2) % 3]).stableNormalized();
+}
+
+double angle_between(const Vec3d& a, const Vec3d& b) {
+    return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
 } // namespace isocast

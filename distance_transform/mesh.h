@@ -28,4 +28,7 @@ WorldBox bounding_box(const Mesh& mesh);
 /// rounds least.
 Vec3d face_normal(const Mesh& mesh, int triangle);
 
+/// The angle between two vectors, as exact when small: the arc cosine of their product is not.
+double angle_between(const Vec3d& a, const Vec3d& b);
+
 } // namespace isocast

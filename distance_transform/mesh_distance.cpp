@@ -3,7 +3,6 @@
 #include "distance_transform/mesh_distance.h"
 
 #include <algorithm>
-
 #include <cmath>
 #include <limits>
 
@@ -11,13 +10,14 @@ namespace isocast {
 
 namespace {
 
-/// Height to length of triangles whose frames are not to be trusted.
+/// Height to length of triangles whose frames are not to be trusted: below it the height's
+/// direction may be off by 2^-53 / 1e-6 = 1e-10, still nothing beside a float.
 constexpr double sliver_ratio = 1e-6;
 
-constexpr std::array edge_features = {Feature::Edge01, Feature::Edge12, Feature::Edge20};
-constexpr std::array vertex_features = {Feature::Vertex0, Feature::Vertex1, Feature::Vertex2};
+constexpr std::int32_t leaf_triangles = 2; // 1 takes the same time, 4 a tenth more
 
-/// How often a triangle is split into four for a better bound.
+/// How often a triangle is split into four for a better bound: each time what the bend adds is a
+/// quarter. At 1e-3 of its size the bunny takes half the cells that it takes without.
 constexpr int greatest_splits = 3;
 
 /// A bound of |g| on a triangle, from the values at its corners v_k: for any x of it
@@ -54,6 +54,14 @@ std::vector<std::array<Vec3d, 3>> corners_of(const Mesh& mesh) {
     for (const auto& [a, b, c] : mesh.triangles)
         corners.push_back({mesh.vertices_world[a], mesh.vertices_world[b], mesh.vertices_world[c]});
     return corners;
+}
+
+std::vector<WorldBox> boxes_of(std::span<const std::array<Vec3d, 3>> triangles) {
+    std::vector<WorldBox> boxes;
+    boxes.reserve(triangles.size());
+    for (const auto& [a, b, c] : triangles)
+        boxes.push_back({a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)});
+    return boxes;
 }
 
 /// The part of a triangle in a cube: a convex polygon of up to nine corners.
@@ -96,7 +104,8 @@ private:
 
 MeshDistance::MeshDistance(const Mesh& mesh, const MeshTopology& topology,
                            const WindingNumber* winding)
-    : corners_(corners_of(mesh)), tree_(corners_), normals_(mesh, topology), winding_(winding) {
+    : corners_(corners_of(mesh)), tree_(boxes_of(corners_), leaf_triangles),
+      normals_(mesh, topology), winding_(winding) {
     frames_.reserve(corners_.size());
     for (const std::array<Vec3d, 3>& corners : corners_) frames_.push_back(frame_of(corners));
 }
@@ -169,7 +178,8 @@ ExactDistance::Sample MeshDistance::at(const Vec3d& p, Hint& hint) const {
     double squared_distance = closest.offset.squaredNorm();
     tree_.visit(
         p, [&](const Vec3d& offset) { return offset.squaredNorm() < squared_distance; },
-        [&](std::int32_t other) {
+        [&](std::int32_t place) {
+            const std::int32_t other = tree_.order()[static_cast<std::size_t>(place)];
             const Closest its_closest = closest_on(other, p);
             const double its_squared = its_closest.offset.squaredNorm();
             if (its_squared >= squared_distance) return;
@@ -190,7 +200,8 @@ ExactDistance::Sample MeshDistance::at(const Vec3d& p, Hint& hint) const {
 SurfaceInCube MeshDistance::surface_in(const Cube& cube, const CellFunction& g,
                                        double tolerance) const {
     SurfaceInCube all;
-    const auto add = [&](std::int32_t triangle) {
+    const auto add = [&](std::int32_t place) {
+        const std::int32_t triangle = tree_.order()[static_cast<std::size_t>(place)];
         const Polygon polygon(corners_[static_cast<std::size_t>(triangle)], cube);
         if (polygon.points().empty()) return;
         all.is_there = true;

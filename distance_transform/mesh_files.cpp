@@ -5,6 +5,7 @@
 #include "distance_transform/mesh_parsers.h"
 #include "volume/atomic_file.h"
 #include "volume/errors.h"
+#include "volume/files.h"
 
 #include <fmt/format.h>
 
@@ -88,9 +89,7 @@ constexpr std::array formats = {
     MeshFormat{".stl", parse_stl, append_stl}, MeshFormat{".off", parse_off, append_off}};
 
 const MeshFormat* find_format(const std::filesystem::path& path) {
-    std::string extension = path.extension().string();
-    for (char& c : extension)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    const std::string extension = lower_case_extension(path);
     const auto found = std::find_if(formats.begin(), formats.end(), [&](const MeshFormat& format) {
         return format.extension == extension;
     });

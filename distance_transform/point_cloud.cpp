@@ -147,7 +147,7 @@ PointCloud vertices_of(const CheckedMesh& checked) {
             const Vec3d& p = mesh.vertices_world[corner(0)];
             const Vec3d u = mesh.vertices_world[corner(1)] - p;
             const Vec3d v = mesh.vertices_world[corner(2)] - p;
-            cloud.normals[corner(0)] += std::atan2(u.cross(v).norm(), u.dot(v)) * normal;
+            cloud.normals[corner(0)] += angle_between(u, v) * normal;
         }
     }
     return cloud;

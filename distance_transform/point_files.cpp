@@ -6,24 +6,14 @@
 #include "distance_transform/point_cloud.h"
 #include "distance_transform/text_scanner.h"
 #include "volume/errors.h"
+#include "volume/files.h"
 
 #include <fmt/format.h>
 
 namespace isocast {
 
-namespace {
-
-std::string extension_of(const std::filesystem::path& path) {
-    std::string extension = path.extension().string();
-    for (char& c : extension)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return extension;
-}
-
-} // namespace
-
 bool is_cloud_file(const std::filesystem::path& path) {
-    return extension_of(path) == ".xyz" || is_mesh_file(path);
+    return lower_case_extension(path) == ".xyz" || is_mesh_file(path);
 }
 
 std::string cloud_file_extensions() {
@@ -54,7 +44,7 @@ PointCloud parse_cloud(std::string_view bytes, std::string_view name) {
 }
 
 PointCloud read_cloud(const std::filesystem::path& path) {
-    const std::string extension = extension_of(path);
+    const std::string extension = lower_case_extension(path);
     if (!is_cloud_file(path))
         throw InputError(fmt::format("{}: unknown format '{}' of points (known: {})", path.string(),
                                      extension, cloud_file_extensions()));

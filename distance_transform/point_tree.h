@@ -1,12 +1,10 @@
-// A kD-tree over points: the nearest ones to a place, and those within a radius of it.
+// A tree over points: the nearest ones to a place, and those within a radius of it.
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
-#include "distance_transform/mesh.h"
+#include "distance_transform/box_tree.h"
 
 #include <compare>
-#include <cstdint>
-#include <span>
 
 namespace isocast {
 
@@ -31,20 +29,12 @@ public:
     void within(const Vec3d& p, double radius, std::vector<Neighbour>& found) const;
 
 private:
-    struct Node {
-        WorldBox box; // of its points
-        std::int32_t first;
-        std::int32_t count; // of a leaf's points, or 0
-        std::int32_t right; // child; the left one is the next node
-    };
-    void build(std::int32_t first, std::int32_t count);
-    /// Visits the leaves whose box is at most sqrt(greatest()) away, nearer children first.
+    /// Visits the points of boxes at most sqrt(greatest()) away, nearer boxes first.
     template<class Greatest, class AtPoint>
     void visit(const Vec3d& p, const Greatest& greatest, const AtPoint& at_point) const;
 
-    std::vector<Vec3d> points_; // a leaf's points stand together
-    std::vector<std::int32_t> numbers_;
-    std::vector<Node> nodes_; // in depth-first order
+    BoxTree tree_;
+    std::vector<Vec3d> points_; // in its order
 };
 
 } // namespace isocast

@@ -10,9 +10,6 @@ namespace {
 // edges do not say better: leaving out the face then costs at most half of 1e-10 edge lengths.
 constexpr double sliver_ratio = 1e-10;
 
-constexpr std::array edge_features = {Feature::Edge01, Feature::Edge12, Feature::Edge20};
-constexpr std::array vertex_features = {Feature::Vertex0, Feature::Vertex1, Feature::Vertex2};
-
 } // namespace
 
 ClosestPoint closest_point(const Vec3d& p, const std::array<Vec3d, 3>& corners) {

@@ -10,6 +10,10 @@ namespace isocast {
 
 /// Edge01 joins corners 0 and 1, and so on.
 enum class Feature { Face, Edge01, Edge12, Edge20, Vertex0, Vertex1, Vertex2 };
+/// Of the edge that starts at a corner, and of the corner.
+inline constexpr std::array edge_features = {Feature::Edge01, Feature::Edge12, Feature::Edge20};
+inline constexpr std::array vertex_features = {Feature::Vertex0, Feature::Vertex1,
+                                               Feature::Vertex2};
 
 struct ClosestPoint {
     Vec3d p;

@@ -4,8 +4,6 @@
 
 #include <tbb/parallel_for.h>
 
-#include <cmath>
-
 namespace isocast {
 
 Pseudonormals::Pseudonormals(const Mesh& mesh, const MeshTopology& topology)
@@ -21,7 +19,7 @@ Pseudonormals::Pseudonormals(const Mesh& mesh, const MeshTopology& topology)
             for (int k = 0; k < 3; ++k) {
                 const Vec3d u = corners[(k + 1) % 3] - corners[k];
                 const Vec3d v = corners[(k + 2) % 3] - corners[k];
-                angles[t][k] = std::atan2(u.cross(v).norm(), u.dot(v));
+                angles[t][k] = angle_between(u, v);
             }
         }
     });

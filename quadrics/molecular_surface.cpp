@@ -31,16 +31,7 @@ constexpr std::size_t most_cuts = 64;
 void require_usable(std::span<const Sphere> atoms, const MolecularSurfaceOptions& options) {
     if (atoms.empty()) throw InputError("no atoms: they have no surface");
     check(atoms);
-    if (!(options.voxel_size_world > 0) || !std::isfinite(options.voxel_size_world))
-        throw InputError(
-            fmt::format("voxel size {} is not a positive number", options.voxel_size_world));
-    if (!(options.half_width_voxels >= 1) || !std::isfinite(options.half_width_voxels))
-        throw InputError(fmt::format("half width {} is below 1 voxel", options.half_width_voxels));
-    const double half_width_world = options.half_width_voxels * options.voxel_size_world;
-    if (!(half_width_world >= std::numeric_limits<float>::min() &&
-          half_width_world <= std::numeric_limits<float>::max()))
-        throw InputError(fmt::format("a half width of {:.3g} is beyond what 32-bit floats hold",
-                                     half_width_world));
+    require_band(options.voxel_size_world, options.half_width_voxels);
     if (!(options.probe_radius_world >= 0) || !std::isfinite(options.probe_radius_world))
         throw InputError(
             fmt::format("probe radius {} is not a number from 0 on", options.probe_radius_world));

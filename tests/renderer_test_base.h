@@ -1,4 +1,4 @@
-// What the tests of this folder draw with.
+// What tests of pictures draw with.
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 

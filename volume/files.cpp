@@ -12,7 +12,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 
 namespace isocast {
 
@@ -26,13 +25,6 @@ struct DenseFormat {
 constexpr std::array dense_formats = {DenseFormat{".nrrd", write_nrrd},
                                       DenseFormat{".mhd", write_mhd},
                                       DenseFormat{".vti", write_vti}};
-
-std::string lower_case_extension(const std::filesystem::path& path) {
-    std::string extension = path.extension().string();
-    std::ranges::transform(extension, extension.begin(),
-                           [](unsigned char c) { return std::tolower(c); });
-    return extension;
-}
 
 struct VolumeFormat {
     std::string_view extension;
@@ -92,6 +84,13 @@ void require_field_file(const std::filesystem::path& path) {
 
 } // namespace
 
+std::string lower_case_extension(const std::filesystem::path& path) {
+    std::string extension = path.extension().string();
+    for (char& c : extension)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return extension;
+}
+
 bool is_octree_file(const std::filesystem::path& path) {
     return lower_case_extension(path) == ".hoct";
 }
@@ -119,7 +118,8 @@ std::unique_ptr<FieldSource> read_field(const std::filesystem::path& path,
     if (format == nullptr) {
         OctreeFile file = read_octree(path);
         const auto tree = std::make_shared<const HashedOctree>(std::move(file.tree));
-        return std::make_unique<OctreeField>(tree, file.space, 0, finest_surface_level(*tree));
+        constexpr std::size_t any = std::numeric_limits<std::size_t>::max();
+        return std::make_unique<OctreeField>(*fields_of_octree(tree, file.space, 0, any).front());
     }
     return open_volume(format->header(path), path, memory_bytes);
 }

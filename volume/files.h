@@ -27,6 +27,9 @@ struct GridDescription {
     std::map<std::string, std::string> metadata;
 };
 
+/// The extension of a file name, with its dot; capitals of ASCII as small letters.
+std::string lower_case_extension(const std::filesystem::path& path);
+
 /// True for the name of an octree file, .hoct.
 bool is_octree_file(const std::filesystem::path& path);
 /// True for a file name that read_field understands, by its extension.

@@ -43,6 +43,12 @@ inline bool zyx_less(const Index3& a, const Index3& b) {
     return std::tuple(a.z(), a.y(), a.x()) < std::tuple(b.z(), b.y(), b.x());
 }
 
+/// From the middle of the cube [-1, 1]^3 to its corner at the upper end of x if bit 0 of i is set,
+/// of y if bit 1, of z if bit 2.
+inline Vec3d corner_direction(int i) {
+    return {i & 1 ? 1.0 : -1.0, i & 2 ? 1.0 : -1.0, i & 4 ? 1.0 : -1.0};
+}
+
 /// The affine map of a grid: samples lie at integer index coordinates.
 struct GridSpace {
     Eigen::Affine3d world_from_index = Eigen::Affine3d::Identity();

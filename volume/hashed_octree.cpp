@@ -131,6 +131,12 @@ std::array<HashedOctree::NodeNumber, 8> HashedOctree::nodes_of(CellNumber cell) 
     return nodes;
 }
 
+CornerData HashedOctree::corners_of(CellNumber cell) const {
+    CornerData corners;
+    for (unsigned i = 0; i < 8; ++i) corners[i] = data_of(node_of(cell, i)).data();
+    return corners;
+}
+
 /// A node was made by dividing a cell of the level above its alignment that has the node in its
 /// middle, on a face or inside an edge: of those there are one, two or four.
 HashedOctree::Surroundings HashedOctree::surroundings_of(const Index3& position) const {
@@ -167,12 +173,9 @@ bool HashedOctree::is_hanging(const Index3& position) const {
 }
 
 float HashedOctree::value_at(const Vec3d& p_index, const Found& leaf) const {
-    const std::array<NodeNumber, 8> nodes = nodes_of(leaf.number);
-    CornerData corners;
-    for (std::size_t i = 0; i < 8; ++i) corners[i] = data_of(nodes[i]).data();
     const double size = leaf.cell.size();
     const Vec3d t = (p_index - leaf.cell.position.cast<double>()) / size;
-    return interpolate(filter_, corners, size, t.cwiseMax(0).cwiseMin(1));
+    return interpolate(filter_, corners_of(leaf.number), size, t.cwiseMax(0).cwiseMin(1));
 }
 
 HashedOctree::NodeNumber HashedOctree::add_node(std::span<const float> data) {

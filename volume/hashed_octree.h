@@ -82,6 +82,8 @@ public:
     /// Of a cell's corners, as in CornerData; and of the i-th alone.
     std::array<NodeNumber, 8> nodes_of(CellNumber cell) const;
     NodeNumber node_of(CellNumber cell, unsigned i) const { return links_[cell + link_offset(i)]; }
+    /// What a cell's corners hold; until the tree changes.
+    CornerData corners_of(CellNumber cell) const;
     /// The node at a position, through at most four cells that may have it (3.3.3).
     std::optional<NodeNumber> find_node(const Index3& position) const;
     std::span<const float> data_of(NodeNumber node) const {

@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <tuple>
 
 namespace isocast {
 
@@ -22,11 +21,8 @@ constexpr int block_levels = std::countr_zero(static_cast<unsigned>(block_size))
 /// Levels that one field shows: a block's cells may be as large as the block.
 constexpr int levels_of_field = block_levels + 1;
 
-CornerData corners_of(const HashedOctree& tree, const OctreeCell& cell) {
-    CornerData corners;
-    const auto nodes = tree.nodes_of(*tree.find(cell));
-    for (std::size_t i = 0; i < 8; ++i) corners[i] = tree.data_of(nodes[i]).data();
-    return corners;
+CellBounds bounds_of_leaf(const HashedOctree& tree, const OctreeCell& leaf) {
+    return bounds_of(tree.filter(), tree.corners_of(*tree.find(leaf)), leaf.size());
 }
 
 /// The finest cells' corners in a cell: those at its faces belong to the cell above, or to it at
@@ -42,8 +38,8 @@ Index3 ceil_shift(const Index3& index, int level) {
     return -floor_div(-index, 1 << level);
 }
 
-auto order_of(const OctreeCell& cell) {
-    return std::tuple(cell.position.z(), cell.position.y(), cell.position.x());
+bool is_before(const OctreeCell& a, const OctreeCell& b) {
+    return zyx_less(a.position, b.position);
 }
 
 GridSpace lattice_space(GridSpace space, int lattice) {
@@ -70,13 +66,13 @@ IndexBox OctreeField::extent() const {
 }
 
 bool OctreeField::is_in_reach(const OctreeCell& leaf) const {
-    const CellBounds bounds = bounds_of(tree_->filter(), corners_of(*tree_, leaf), leaf.size());
+    const CellBounds bounds = bounds_of_leaf(*tree_, leaf);
     return bounds.min <= reach_world_ && bounds.max >= -reach_world_;
 }
 
 int OctreeField::finest_leaf(const OctreeCell& cell) const {
     if (!tree_->is_divided(cell)) {
-        const OctreeCell leaf = tree_->find(cell) ? cell : tree_->leaf_at(cell.position.cast<double>());
+        const OctreeCell leaf = tree_->leaf_at(cell.position.cast<double>()); // it or around it
         return is_in_reach(leaf) ? leaf.level : greatest_octree_depth;
     }
     int finest = greatest_octree_depth;
@@ -86,14 +82,16 @@ int OctreeField::finest_leaf(const OctreeCell& cell) const {
 }
 
 template<class AtLeaf>
-void OctreeField::visit_leaves(const OctreeCell& cell, const IndexBox& box,
+void OctreeField::visit_leaves(const OctreeCell& cell, const IndexBox& box, int level,
                                const AtLeaf& at_leaf) const {
-    if (intersection(corners_in(cell, tree_->depth()), box).is_empty()) return;
+    const IndexBox own = corners_in(cell, tree_->depth());
+    const IndexBox part = intersection({ceil_shift(own.lo, level), ceil_shift(own.hi, level)}, box);
+    if (part.is_empty()) return;
     if (!tree_->is_divided(cell)) {
-        at_leaf(cell);
+        at_leaf(cell, part);
         return;
     }
-    for (int i = 0; i < 8; ++i) visit_leaves(child_of(cell, i), box, at_leaf);
+    for (int i = 0; i < 8; ++i) visit_leaves(child_of(cell, i), box, level, at_leaf);
 }
 
 IndexBox OctreeField::finest_box(const IndexBox& box) const {
@@ -128,11 +126,10 @@ int OctreeField::finest_level(const IndexBox& box) const {
     if (blocks_) {
         const Index3 block = floor_div(box.lo, block_size);
         const OctreeCell cell{block * (block_size << lattice_), lattice_ + block_levels};
-        const auto found = std::ranges::lower_bound(*blocks_, order_of(cell), {}, order_of);
-        if (found == blocks_->end() || found->position != cell.position) return -1;
+        if (!std::ranges::binary_search(*blocks_, cell, is_before)) return -1;
     }
     int finest = greatest_octree_depth;
-    visit_leaves(tree_->root(), finest_box(box), [&](const OctreeCell& leaf) {
+    visit_leaves(tree_->root(), finest_box(box), 0, [&](const OctreeCell& leaf, const IndexBox&) {
         if (leaf.level < finest && is_in_reach(leaf)) finest = leaf.level;
     });
     return std::max(finest - lattice_, 0);
@@ -147,8 +144,8 @@ ValueRange OctreeField::value_range(const IndexBox& box) const {
         box.lo.cwiseMax(all.lo).cwiseMin(last),
         ((box.hi.array() - 1).matrix().cwiseMax(all.lo).cwiseMin(last).array() + 1).matrix()};
     ValueRange range{infinity, -infinity};
-    visit_leaves(tree_->root(), finest_box(inside), [&](const OctreeCell& leaf) {
-        const CellBounds bounds = bounds_of(tree_->filter(), corners_of(*tree_, leaf), leaf.size());
+    visit_leaves(tree_->root(), inside, lattice_, [&](const OctreeCell& leaf, const IndexBox&) {
+        const CellBounds bounds = bounds_of_leaf(*tree_, leaf);
         range.min = std::min(range.min, std::nextafter(static_cast<float>(bounds.min), -infinity));
         range.max = std::max(range.max, std::nextafter(static_cast<float>(bounds.max), infinity));
     });
@@ -163,20 +160,12 @@ void OctreeField::copy_box(const IndexBox& box, int level, std::span<float> out)
             (x - box.lo.x()) +
             std::ptrdiff_t{n.x()} * ((y - box.lo.y()) + std::ptrdiff_t{n.y()} * (z - box.lo.z())))];
     };
-    const auto fill = [&](const auto& self, const OctreeCell& cell) -> void {
-        const IndexBox own = corners_in(cell, tree_->depth());
-        const IndexBox part =
-            intersection({ceil_shift(own.lo, shift), ceil_shift(own.hi, shift)}, box);
-        if (part.is_empty()) return;
-        if (tree_->is_divided(cell)) {
-            for (int i = 0; i < 8; ++i) self(self, child_of(cell, i));
-            return;
-        }
-        const CornerData corners = corners_of(*tree_, cell);
-        const double size = cell.size();
+    visit_leaves(tree_->root(), box, shift, [&](const OctreeCell& leaf, const IndexBox& part) {
+        const CornerData corners = tree_->corners_of(*tree_->find(leaf));
+        const double size = leaf.size();
         const bool is_linear = tree_->filter() == OctreeFilter::Linear;
         const double step = std::exp2(shift) / size;
-        const Vec3d first = ((1 << shift) * part.lo - cell.position).cast<double>() / size;
+        const Vec3d first = ((1 << shift) * part.lo - leaf.position).cast<double>() / size;
         for (int z = part.lo.z(); z < part.hi.z(); ++z)
             for (int y = part.lo.y(); y < part.hi.y(); ++y) {
                 const CellRow row =
@@ -188,8 +177,7 @@ void OctreeField::copy_box(const IndexBox& box, int level, std::span<float> out)
                     to[i] = is_linear ? row.linear_at(x) : row.cubic_at(x);
                 }
             }
-    };
-    fill(fill, tree_->root());
+    });
     // Of a lattice of larger cells than the root it holds sample 0 alone.
     const int last = tree_->depth() >= shift ? 1 << (tree_->depth() - shift) : 0;
     const IndexBox all{Index3::Zero(), Index3::Constant(last + 1)};
@@ -200,19 +188,6 @@ void OctreeField::copy_box(const IndexBox& box, int level, std::span<float> out)
             for (int x = box.lo.x(); x < box.hi.x(); ++x)
                 if (!all.contains({x, y, z}))
                     place(x, y, z) = tree_->value_at((1 << shift) * Vec3d(x, y, z));
-}
-
-int finest_surface_level(const HashedOctree& tree) {
-    int finest = tree.depth();
-    bool is_there = false;
-    tree.visit_cells([&](const OctreeCell& cell, bool is_leaf) {
-        if (!is_leaf || cell.level > finest) return;
-        const CellBounds bounds = bounds_of(tree.filter(), corners_of(tree, cell), cell.size());
-        if (bounds.min > 0 || bounds.max < 0) return;
-        finest = cell.level;
-        is_there = true;
-    });
-    return is_there ? finest : 0;
 }
 
 std::vector<std::shared_ptr<const OctreeField>>
@@ -246,7 +221,7 @@ fields_of_octree(std::shared_ptr<const HashedOctree> tree, const GridSpace& spac
     assign(assign, tree->root());
     std::vector<std::shared_ptr<const OctreeField>> shown;
     for (const std::shared_ptr<OctreeField>& field : fields) {
-        std::ranges::sort(*field->blocks_, {}, order_of);
+        std::ranges::sort(*field->blocks_, is_before);
         if (!field->blocks_->empty()) shown.push_back(field);
     }
     return shown;

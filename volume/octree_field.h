@@ -43,9 +43,12 @@ private:
     bool is_in_reach(const OctreeCell& leaf) const;
     /// The finest leaf in a cell that holds an isosurface within reach.
     int finest_leaf(const OctreeCell& cell) const;
-    /// Calls at_leaf(leaf) for the leaves that hold a finest cell's corner in the box [finest].
+    /// Calls at_leaf(leaf, part) for the leaves under `cell` that hold a part of the box, in
+    /// samples 2^level finest cells apart.
     template<class AtLeaf>
-    void visit_leaves(const OctreeCell& cell, const IndexBox& box, const AtLeaf& at_leaf) const;
+    void visit_leaves(const OctreeCell& cell, const IndexBox& box, int level,
+                      const AtLeaf& at_leaf) const;
+    /// A box of the lattice's samples, with the finest cells' corners between them.
     IndexBox finest_box(const IndexBox& box) const;
 
     std::shared_ptr<const HashedOctree> tree_;
@@ -56,11 +59,9 @@ private:
     std::optional<std::vector<OctreeCell>> blocks_;
 };
 
-/// The level of the finest leaf that holds a piece of the surface, f = 0; 0 if none does.
-int finest_surface_level(const HashedOctree& tree);
-
 /// The fields that together show an octree's isosurfaces: one, on the lattice of the finest leaf
-/// that holds a piece, if its blocks of 8^3 cells there are few; else one for each four levels, and
+/// that holds a piece, if its blocks of 8^3 cells there are few (2^18 bricks of a cell each take 67
+/// MB); else one for each four levels, and
 /// each block is shown by the coarsest of them that has all of its detail.
 std::vector<std::shared_ptr<const OctreeField>>
 fields_of_octree(std::shared_ptr<const HashedOctree> tree, const GridSpace& space,

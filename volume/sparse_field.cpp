@@ -10,6 +10,7 @@
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <tuple>
@@ -24,6 +25,22 @@ int ceil_div(std::int64_t a, std::int64_t b) {
 }
 
 } // namespace
+
+void require_voxel_size(double voxel_size_world) {
+    if (!(voxel_size_world > 0) || !std::isfinite(voxel_size_world))
+        throw InputError(fmt::format("voxel size {} is not a positive number", voxel_size_world));
+}
+
+void require_band(double voxel_size_world, double half_width_voxels, std::string_view remedy) {
+    require_voxel_size(voxel_size_world);
+    if (!(half_width_voxels >= 1) || !std::isfinite(half_width_voxels))
+        throw InputError(fmt::format("half width {} is below 1 voxel", half_width_voxels));
+    const double half_width_world = half_width_voxels * voxel_size_world;
+    if (!(half_width_world >= std::numeric_limits<float>::min() &&
+          half_width_world <= std::numeric_limits<float>::max()))
+        throw InputError(fmt::format("a half width of {:.3g} is beyond what 32-bit floats hold{}",
+                                     half_width_world, remedy));
+}
 
 IndexBox blocks_over(const IndexBox& box) {
     return {floor_div(box.lo, block_size),

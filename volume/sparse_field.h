@@ -9,6 +9,7 @@
 #include <bitset>
 #include <compare>
 #include <iterator>
+#include <string_view>
 
 namespace isocast {
 
@@ -28,6 +29,12 @@ struct FieldBlock {
 
 /// In memory or in a scratch file. Resizing leaves new blocks raw: construct each before use.
 using FieldBlocks = std::vector<FieldBlock, FreshMemory<FieldBlock>>;
+
+/// throws  InputError unless both are usable, and the half width in world units is a 32-bit float
+/// remedy  ends the message of one that is none, e.g. "; scale the mesh"
+void require_band(double voxel_size_world, double half_width_voxels, std::string_view remedy = {});
+/// throws  InputError unless it is a positive number
+void require_voxel_size(double voxel_size_world);
 
 /// What a sample has where no block is stored.
 enum class Outside {

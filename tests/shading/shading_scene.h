@@ -2,22 +2,14 @@
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
-#include "raycaster/renderer.h"
-#include "test_context.h"
+#include "renderer_test_base.h"
 #include "volume/analytic_fields.h"
-
-#include <gtest/gtest.h>
 
 #include <cmath>
 
 namespace isocast::test {
 
-inline const std::filesystem::path shader_folder =
-    std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders";
-
-struct Shading : testing::Test {
-    std::unique_ptr<gl::Context> context = test::make_context();
-    Renderer renderer{*context, shader_folder};
+struct Shading : RendererTest {
     Camera camera{.eye_world = {1.6, 1.2, 4.5}, .target_world = Vec3d::Zero()};
     int size = 96;
 

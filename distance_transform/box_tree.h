@@ -6,72 +6,143 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
 namespace isocast {
 
-/// A binary tree of boxes over items, halved by number along the longest side.
+/// A tree of boxes over items, each around up to four: halved by number along the longest side, and
+/// the halves once more.
 ///
 /// The nodes of KdTree (thesis 4.1) are bounded by a plane a level, those here on all six sides:
-/// points far from the surface see a few per cent of the triangles.
+/// points far from the surface see a few per cent of the triangles. Four boxes are looked at at
+/// once, in float, about the middle of all; these are rounded outwards, so that no item is missed.
 class BoxTree {
 public:
     /// boxes       of the items, fewer than 2^31; empty ones are not allowed
-    /// leaf_items  that a leaf holds at most
+    /// leaf_items  that a leaf holds; the last one may hold fewer
     BoxTree(std::span<const WorldBox> boxes, std::int32_t leaf_items);
 
     /// The items' numbers by their places: a leaf's items stand together.
     std::span<const std::int32_t> order() const { return order_; }
 
-    /// Visits items, those of nearer boxes first.
+    /// Visits leaves whose boxes come near p, nearer ones first.
     ///
-    /// can_matter  is asked before each box, with the vector to `p` from its closest point
-    /// at_place    is called with the place of each item of the boxes that can matter
-    template<class CanMatter, class AtPlace>
-    void visit(const Vec3d& p, const CanMatter& can_matter, const AtPlace& at_place) const;
+    /// squared_reach  tells how far away a box may be; it may shrink
+    /// at_leaf        is called with the places first … end - 1; first is a multiple of leaf_items
+    template<class SquaredReach, class AtLeaf>
+    void visit_near(const Vec3d& p, const SquaredReach& squared_reach, const AtLeaf& at_leaf) const;
+    /// Visits leaves whose boxes touch the cube of the points at most `half_edge` from p along each
+    /// axis, while goes_on().
+    template<class GoesOn, class AtLeaf>
+    void visit_touching(const Vec3d& p, double half_edge, const GoesOn& goes_on,
+                        const AtLeaf& at_leaf) const;
 
 private:
-    struct Node {
-        WorldBox box;
-        std::int32_t right; // the left child is next; 0 in leaves
-        std::int32_t first; // of a leaf's places
+    using Floats = Eigen::Array4f;
+    /// Inner nodes: items `first`, `first` + 1, … of a leaf, or where `count` is 0 the node
+    /// `first`.
+    struct Part {
+        std::int32_t first;
         std::int32_t count;
-
-        Vec3d offset_to(const Vec3d& p) const { return p - p.cwiseMax(box.min).cwiseMin(box.max); }
     };
-    void build(std::span<const WorldBox> boxes, std::int32_t leaf_items, std::int32_t first,
-               std::int32_t count);
+    struct Node {
+        std::array<Floats, 3> lo,
+            hi; // by axis; of four parts, those that are not there at infinity
+        std::array<Part, 4> parts;
+    };
+    /// A point between two floats on each axis.
+    struct Place {
+        std::array<float, 3> lo, hi;
+    };
+    /// Four a level, of 2^31 items halved twice a level, are pending at most.
+    static constexpr std::size_t most_pending = 64;
+    /// More than what float arithmetic takes off a squared distance.
+    static constexpr double rounding = 1e-6;
 
-    std::vector<Node> nodes_; // in depth-first order
+    void build(std::span<const WorldBox> boxes, std::int32_t leaf_items, std::size_t node,
+               Part items);
+    Place place_of(const Vec3d& p) const {
+        Place place;
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto x = static_cast<float>(p[axis] - middle_[axis]);
+            const float pad = std::abs(x) * 0x1p-22F;
+            place.lo[static_cast<std::size_t>(axis)] = x - pad;
+            place.hi[static_cast<std::size_t>(axis)] = x + pad;
+        }
+        return place;
+    }
+    static Floats along(const Node& node, const Place& p, std::size_t axis) {
+        return (node.lo[axis] - p.hi[axis]).max(p.lo[axis] - node.hi[axis]);
+    }
+
+    Vec3d middle_ = Vec3d::Zero();
+    std::vector<Node> nodes_; // the root first
     std::vector<std::int32_t> order_;
 };
 
-template<class CanMatter, class AtPlace>
-void BoxTree::visit(const Vec3d& p, const CanMatter& can_matter, const AtPlace& at_place) const {
+template<class SquaredReach, class AtLeaf>
+void BoxTree::visit_near(const Vec3d& p, const SquaredReach& squared_reach,
+                         const AtLeaf& at_leaf) const {
     if (nodes_.empty()) return;
-    struct Pending {
-        Vec3d offset;
-        std::int32_t node;
+    const Place place = place_of(p);
+    const auto reach = [&] {
+        return std::max(static_cast<float>(squared_reach() * (1 + rounding)),
+                        std::numeric_limits<float>::min());
     };
-    std::array<Pending, 64> pending; // halving 2^31 items leaves one a level
-    pending[0] = {nodes_[0].offset_to(p), 0};
-    for (int pending_count = 1; pending_count > 0;) {
-        auto [offset, index] = pending[static_cast<std::size_t>(--pending_count)];
-        while (can_matter(offset)) {
-            const Node& node = nodes_[static_cast<std::size_t>(index)];
-            if (node.right == 0) {
-                for (std::int32_t i = node.first; i < node.first + node.count; ++i) at_place(i);
-                break;
-            }
-            const Vec3d left = nodes_[static_cast<std::size_t>(index) + 1].offset_to(p);
-            const Vec3d right = nodes_[static_cast<std::size_t>(node.right)].offset_to(p);
-            const bool left_first = left.squaredNorm() <= right.squaredNorm();
-            pending[static_cast<std::size_t>(pending_count++)] =
-                left_first ? Pending{right, node.right} : Pending{left, index + 1};
-            offset = left_first ? left : right;
-            index = left_first ? index + 1 : node.right;
+    struct Pending {
+        float squared_distance;
+        Part part;
+    };
+    std::array<Pending, most_pending> pending;
+    pending[0] = {0, {0, 0}};
+    float greatest = reach();
+    for (std::size_t pending_count = 1; pending_count > 0;) {
+        const auto [nearest, part] = pending[--pending_count];
+        if (!(nearest <= greatest)) continue;
+        if (part.count > 0) {
+            at_leaf(part.first, part.first + part.count);
+            greatest = reach();
+            continue;
         }
+        const Node& node = nodes_[static_cast<std::size_t>(part.first)];
+        const Floats squared = along(node, place, 0).max(0).square() +
+                               along(node, place, 1).max(0).square() +
+                               along(node, place, 2).max(0).square();
+        // Nearer ones are put on top.
+        const std::size_t first = pending_count;
+        for (std::size_t k = 0; k < 4; ++k) {
+            const float its = squared[static_cast<Eigen::Index>(k)];
+            if (!(its <= greatest) || node.parts[k].count < 0) continue;
+            std::size_t at = pending_count++;
+            for (; at > first && pending[at - 1].squared_distance < its; --at)
+                pending[at] = pending[at - 1];
+            pending[at] = {its, node.parts[k]};
+        }
+    }
+}
+
+template<class GoesOn, class AtLeaf>
+void BoxTree::visit_touching(const Vec3d& p, double half_edge, const GoesOn& goes_on,
+                             const AtLeaf& at_leaf) const {
+    if (nodes_.empty()) return;
+    const Place place = place_of(p);
+    const auto greatest = static_cast<float>(half_edge * (1 + rounding));
+    std::array<Part, most_pending> pending;
+    pending[0] = {0, 0};
+    for (std::size_t pending_count = 1; pending_count > 0 && goes_on();) {
+        const Part part = pending[--pending_count];
+        if (part.count > 0) {
+            at_leaf(part.first, part.first + part.count);
+            continue;
+        }
+        const Node& node = nodes_[static_cast<std::size_t>(part.first)];
+        const Floats apart =
+            along(node, place, 0).max(along(node, place, 1)).max(along(node, place, 2));
+        for (std::size_t k = 0; k < 4; ++k)
+            if (apart[static_cast<Eigen::Index>(k)] <= greatest && node.parts[k].count >= 0)
+                pending[pending_count++] = node.parts[k];
     }
 }
 

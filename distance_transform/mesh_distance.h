@@ -35,6 +35,18 @@ private:
         Vec3d offset; // to p from the closest point
         Feature feature;
     };
+    using Floats = Eigen::Array4f;
+    /// Signed distances to planes, one of each of four triangles.
+    struct Planes {
+        Floats x = Floats::Zero(), y = Floats::Zero(), z = Floats::Zero(), offset = Floats::Zero();
+
+        Floats at(const Eigen::Vector3f& p) const {
+            return x * p.x() + y * p.y() + z * p.z() - offset;
+        }
+    };
+    /// Bounds on the distances to four triangles: from their planes, and beyond their edges.
+    using Slabs = std::array<Planes, 4>;
+    void add_slabs();
     static Frame frame_of(const std::array<Vec3d, 3>& corners);
     /// closest_point by the frame.
     Closest closest_on(std::int32_t triangle, const Vec3d& p) const;
@@ -43,6 +55,9 @@ private:
     Pseudonormals normals_;
     const WindingNumber* winding_;
     std::vector<Frame> frames_;
+    Vec3d slab_origin_ = Vec3d::Zero();
+    double slab_radius_ = 0;
+    std::vector<Slabs> slabs_; // by the places of the tree's leaves
 };
 
 } // namespace isocast

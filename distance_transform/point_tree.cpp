@@ -28,12 +28,10 @@ PointTree::PointTree(std::span<const Vec3d> points)
 
 template<class Greatest, class AtPoint>
 void PointTree::visit(const Vec3d& p, const Greatest& greatest, const AtPoint& at_point) const {
-    tree_.visit(
-        p, [&](const Vec3d& offset) { return offset.squaredNorm() <= greatest(); },
-        [&](std::int32_t place) {
-            const auto i = static_cast<std::size_t>(place);
+    tree_.visit_near(p, greatest, [&](std::int32_t first, std::int32_t end) {
+        for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(end); ++i)
             at_point(Neighbour{(points_[i] - p).squaredNorm(), tree_.order()[i]});
-        });
+    });
 }
 
 void PointTree::nearest(const Vec3d& p, std::size_t count, std::vector<Neighbour>& found) const {

@@ -270,33 +270,57 @@ void HashedOctree::merge(const OctreeCell& cell) {
 }
 
 void HashedOctree::constrain_hanging_nodes(const NodeSampler& sampler) {
-    struct Node {
-        Index3 position;
-        NodeNumber number;
+    // A node hangs if one of the cells that have it inside an edge or a face is not divided. Those
+    // that are get counted, which takes a tenth of the time of looking up all of each node's.
+    std::vector<std::uint8_t> divided(constrained_.size());
+    constexpr std::uint8_t seen = 255;
+    const auto visit_middles = [&](const auto& visit) {
+        visit_blocks([&](const OctreeCell& cell, const OctreeTable::Entry& entry) {
+            const std::span<const NodeNumber> block = block_of(entry);
+            for_each_place(Index3::Zero(), Index3::Constant(2), [&](const Index3& place) {
+                const auto inside = (place.array() == 1).count();
+                if (inside == 1 || inside == 2) visit(cell, block, place);
+            });
+        });
     };
-    // By alignment: in the middle of an edge, in the middle of a face.
-    std::array<std::array<std::vector<Node>, 2>, greatest_octree_depth> hanging;
-    visit_nodes([&](const Index3& position, NodeNumber node) {
-        if (is_hanging(position)) {
-            const int level = alignment_of(position);
-            const unsigned inside = child_index(position, level);
-            hanging[static_cast<std::size_t>(level)][std::has_single_bit(inside) ? 0 : 1].push_back(
-                {position, node});
-        } else if (constrained_[node]) {
-            sampler(position, data_of(node));
-            constrained_[node] = false;
-        }
+    visit_middles([&](const OctreeCell&, std::span<const NodeNumber> block, const Index3& place) {
+        ++divided[block[block_index(place)]];
     });
-    for (int level = depth_ - 1; level >= 0; --level)
-        for (const std::vector<Node>& nodes : hanging[static_cast<std::size_t>(level)])
-            for (const Node& node : nodes) {
+
+    struct Hanging {
+        NodeNumber number, below, above; // it hangs half way between these
+        int axis;
+    };
+    // By level: in the middle of an edge, in the middle of a face.
+    std::array<std::array<std::vector<Hanging>, 2>, greatest_octree_depth + 1> hanging;
+    visit_middles(
+        [&](const OctreeCell& cell, std::span<const NodeNumber> block, const Index3& place) {
+            const NodeNumber node = block[block_index(place)];
+            if (divided[node] == seen) return;
+            const Index3 position = cell.position + place * (cell.size() / 2);
+            int cells = 1;
+            for (int axis = 0; axis < 3; ++axis)
+                if (place[axis] != 1 && position[axis] != 0 && position[axis] != root().size())
+                    cells *= 2;
+            const bool hangs = divided[node] < cells;
+            divided[node] = seen;
+            if (hangs) {
+                int axis = 0;
+                (place.array() == 1).maxCoeff(&axis);
                 // A face's middle is half way between those of two opposite edges.
-                const int axis = std::countr_zero(child_index(node.position, level));
-                const Index3 half = Index3::Unit(axis) * (1 << level);
-                const std::optional<NodeNumber> a = find_node(node.position - half);
-                const std::optional<NodeNumber> b = find_node(node.position + half);
-                ISOCAST_ASSERT(a && b, "a node hangs between others at level %d", level);
-                midpoint(filter_, data_of(*a), data_of(*b), axis, 2 << level, data_of(node.number));
+                hanging[static_cast<std::size_t>(cell.level)][(place.array() == 1).count() - 1]
+                    .push_back({node, block[block_index(place - Index3::Unit(axis))],
+                                block[block_index(place + Index3::Unit(axis))], axis});
+            } else if (constrained_[node]) {
+                sampler(position, data_of(node));
+                constrained_[node] = false;
+            }
+        });
+    for (int level = depth_; level > 0; --level)
+        for (const std::vector<Hanging>& nodes : hanging[static_cast<std::size_t>(level)])
+            for (const Hanging& node : nodes) {
+                midpoint(filter_, data_of(node.below), data_of(node.above), node.axis, 1 << level,
+                         data_of(node.number));
                 constrained_[node.number] = true;
             }
 }

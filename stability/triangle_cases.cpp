@@ -187,8 +187,12 @@ void append_triangle_cases(std::vector<Case>& cases) {
     };
     distances("any", any_triangle);
     for (const char* height : {"1e-05", "1e-09", "1e-13"})
-        distances(std::string("sliver-") + height,
-                  [h = std::stod(height)](Random& random) { return sliver(random, h); });
+        distances(
+            std::string("sliver-") + height,
+            [h = std::stod(height)](Random& random) { return sliver(random, h); },
+            // In roundings; where the face counts it is as exact as any.
+            height == std::string_view("1e-05") ? 32 : 0.5e-10 / 0x1p-53,
+            "below 1e-10 of its length a face is left out: half of that");
     distances("no-area", [](Random& random) -> Corners {
         // Halves of multiples of 2^-20 are exact.
         const Vec3d a = (random.in_cube() * 0x1p20).array().round() * 0x1p-20;

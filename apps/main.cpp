@@ -47,7 +47,7 @@ int run(int argc, char** argv, Console& console) {
     program.require_subcommand(0, 1);
     const std::array verbs{convert_verb(program, shader_folders()),
                            render_verb(program, shader_folders()), info_verb(program),
-                           sample_verb(program)};
+                           sample_verb(program), selftest_verb(program, shader_folders())};
     for (const Verb& verb : verbs)
         verb.app->footer(fmt::format("{}\n{}", exit_codes, verb.app->get_footer()));
     try {
@@ -62,7 +62,7 @@ int run(int argc, char** argv, Console& console) {
             verb.run(console);
             return Ok;
         }
-    throw UsageError("a verb is needed: convert, render, info or sample");
+    throw UsageError("a verb is needed: convert, render, info, sample or selftest");
 }
 
 int run_and_report(int argc, char** argv, Console& console) {

@@ -28,5 +28,7 @@ Verb render_verb(CLI::App& program, std::vector<std::filesystem::path> shader_fo
 Verb info_verb(CLI::App& program);
 /// built-in mesh or field -> file
 Verb sample_verb(CLI::App& program);
+/// checks that a user can run
+Verb selftest_verb(CLI::App& program, std::vector<std::filesystem::path> shader_folders);
 
 } // namespace isocast

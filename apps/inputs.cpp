@@ -135,7 +135,7 @@ std::filesystem::path first_folder_of(const std::vector<std::filesystem::path>& 
         names.push_back(folder.string());
     }
     throw std::runtime_error(
-        fmt::format("no shaders: there is no folder {}", fmt::join(names, " and no ")));
+        fmt::format("files of the program are missing: there is no folder {}", fmt::join(names, " and no ")));
 }
 
 } // namespace isocast

@@ -26,6 +26,10 @@ Verb convert_verb(CLI::App& program, std::vector<std::filesystem::path> shader_f
 Verb render_verb(CLI::App& program, std::vector<std::filesystem::path> shader_folders);
 /// what a mesh or field file holds
 Verb info_verb(CLI::App& program);
+/// what accuracy costs: errors and times at many settings. The report's script is in the first of
+/// the data folders that exists.
+Verb accuracy_verb(CLI::App& program, std::vector<std::filesystem::path> shader_folders,
+                   std::vector<std::filesystem::path> data_folders);
 /// built-in mesh or field -> file
 Verb sample_verb(CLI::App& program);
 

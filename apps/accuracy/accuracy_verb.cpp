@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MPL-2.0
+#include "apps/accuracy/calibrate.h"
 #include "apps/accuracy/run.h"
 #include "apps/console.h"
 #include "apps/output_words.h"
@@ -29,6 +30,7 @@ struct AccuracyCommand {
     gl::Backend backend = gl::Backend::Auto;
     std::size_t threads =
         tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+    bool calibrate = false;
     bool json = false;
     std::vector<std::filesystem::path> data_folders;
 };
@@ -79,7 +81,34 @@ void print_fronts(const std::vector<Measurement>& all) {
                        measurement.failed);
 }
 
+void calibrate(const AccuracyCommand& command, Console& console) {
+    if (own_front_path().empty())
+        throw InputError("--calibrate: neither XDG_CONFIG_HOME nor HOME says where to keep it");
+    const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
+                                      command.threads);
+    const auto context = gl::make_context({.backend = command.backend});
+    Renderer renderer(*context, first_folder_of(command.study.shader_folders));
+    StudyOptions study = command.study;
+    study.width = command.size.width;
+    study.height = command.size.height;
+    const Front front =
+        calibrated(study, *context, renderer, command.run.rounds, console.progress());
+    write_front(front, machine_json(context->driver()));
+    console.end_progress();
+    if (command.json)
+        print_json({{"front", front.path.string()}});
+    else
+        fmt::print("{}: what `--max-error` will go by\n", front.path.string());
+}
+
 void run(AccuracyCommand command, Console& console) {
+    if (command.calibrate) {
+        if (!command.study.input.empty())
+            throw UsageError("--calibrate measures built-in inputs, no other");
+        return calibrate(command, console);
+    }
+    if (command.study.input.empty())
+        throw UsageError("accuracy: an input is needed, or --calibrate");
     const Progress progress = console.progress();
     progress("reading", 0);
     const Subject subject = subject_of(input_from(command.study.input));
@@ -135,8 +164,7 @@ Verb accuracy_verb(CLI::App& program, std::vector<std::filesystem::path> shader_
     command->study.shader_folders = std::move(shader_folders);
     command->data_folders = std::move(data_folders);
     app->add_option("IN", command->study.input,
-                    "A mesh, a field, a molecule, or the built-in mesh:NAME, field:NAME@N")
-        ->required();
+                    "A mesh, a field, a molecule, or the built-in mesh:NAME, field:NAME@N");
     app->add_option("-o,--output", command->run.folder,
                     "Folder for results.json, results.csv and report/index.html; a run that was "
                     "interrupted goes on there (default: accuracy-IN)")
@@ -160,6 +188,9 @@ Verb accuracy_verb(CLI::App& program, std::vector<std::filesystem::path> shader_
                     "Rounds over all settings; medians count (default 5)")
         ->check(CLI::Range(1, 1000))
         ->type_name("N");
+    app->add_flag("--calibrate", command->calibrate,
+                  "Measure instead what --max-error goes by, on this machine, and keep it in "
+                  "XDG_CONFIG_HOME/isocast/front.json");
     app->add_flag("--fresh", command->run.is_fresh, "Do not go on with what the folder holds");
     add_parsed(*app, "--backend", command->backend, gl::backend_from_name,
                "OpenGL through: auto (egl, then osmesa), egl, osmesa")

@@ -12,6 +12,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.image
 import matplotlib.pyplot as plt
+import matplotlib.ticker
 import numpy
 
 # Okabe and Ito's colours, which most eyes tell apart, and marks that printers do.
@@ -107,13 +108,9 @@ def draw(stage, path):
                           color="#777777", textcoords="offset points", xytext=(6, -9))
     axes.set_xscale("log")
     axes.set_yscale("log")
-    spread = max(map(stage.seconds, stage.points)) / max(min(map(stage.seconds, stage.points)),
-                                                         1e-9)
-    ticks = matplotlib.ticker.FuncFormatter(lambda value, _: seconds(value))
-    axes.xaxis.set_major_formatter(ticks)
-    # Within a decade there would be no number but one.
-    axes.xaxis.set_minor_formatter(ticks if spread < 12 else matplotlib.ticker.NullFormatter())
-    axes.tick_params(axis="x", which="minor", labelsize=8)
+    axes.xaxis.set_major_locator(matplotlib.ticker.LogLocator(subs=(1, 2, 5)))
+    axes.xaxis.set_major_formatter(lambda value, _: seconds(value))
+    axes.xaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
     axes.grid(True, which="major", color="#e4e4e4", zorder=0)
     axes.margins(x=0.12, y=0.12)
     axes.set_xlabel(f"{stage.price}  →  dearer")
@@ -126,7 +123,7 @@ def draw(stage, path):
 
 
 def verdicts(stage):
-    """What each knob buys: (knobs, error ratio, price ratio, best setting, settings wasted)."""
+    """What each knob buys: (stage, knobs, ratio of errors, ratio of prices, best setting)."""
     rows = []
     families = dict.fromkeys(stage.family(i) for i in stage.points if stage.settings[i]["setting"])
     for family in families:
@@ -134,29 +131,67 @@ def verdicts(stage):
         cheap = min(members, key=stage.seconds)
         best = min(members, key=lambda i: (stage.rms(i), stage.seconds(i)))
         worst = max(members, key=stage.rms)
-        wasted = [
-            i for i in members
-            if any(stage.rms(j) <= stage.rms(i) and stage.price_of[j][2] < stage.price_of[i][1]
-                   for j in stage.points)
-        ]
         floor = stage.floor()
-        rows.append((family, max(stage.rms(worst), floor) / max(stage.rms(best), floor),
-                     stage.seconds(best) / stage.seconds(cheap), best, wasted))
+        rows.append((stage, family, max(stage.rms(worst), floor) / max(stage.rms(best), floor),
+                     stage.seconds(best) / stage.seconds(cheap), best))
     return rows
 
 
+def verdict(gain, cost):
+    if gain < 1.05:
+        return "<span class=waste>no effect here</span>"
+    if cost < 1.15:  # what rounds differ by
+        return "<span class=good>free</span>"
+    if cost < math.sqrt(gain):
+        return "<span class=good>cheap</span>"
+    return "<span class=waste>dear</span>"
+
+
+def waste(stage):
+    """Settings that cost more than one that is as good, whatever the rounds: (stage, the setting,
+    the one instead, ratio of prices)."""
+    rows = []
+    for i in stage.points:
+        better = [j for j in stage.points
+                  if stage.rms(j) <= stage.rms(i) and stage.price_of[j][2] < stage.price_of[i][1]]
+        if better:
+            j = min(better, key=stage.seconds)
+            rows.append((stage, i, j, stage.seconds(i) / stage.seconds(j)))
+    return rows
+
+
+def draw_overview(rows, path):
+    """Of each knob a bar for what it buys and one for what it costs."""
+    figure, axes = plt.subplots(figsize=(9, 0.6 + 0.42 * len(rows)), dpi=110)
+    places = range(len(rows), 0, -1)
+    axes.barh([y + 0.19 for y in places], [max(row[2], 1) - 1 for row in rows], 0.36, left=1,
+              color="#009e73", label="error falls by")
+    axes.barh([y - 0.19 for y in places], [max(row[3], 1) - 1 for row in rows], 0.36, left=1,
+              color="#d55e00", label="for so much more time")
+    axes.set_yticks(list(places), [f"{row[0].name}: {row[1]}" for row in rows], fontsize=8)
+    axes.set_xscale("log")
+    axes.set_xlim(left=1)
+    axes.xaxis.set_major_formatter(lambda value, _: f"{value:,.0f}x")
+    axes.grid(True, axis="x", color="#e4e4e4", zorder=0)
+    axes.set_axisbelow(True)
+    axes.legend(fontsize=8, loc="lower right")
+    figure.savefig(path, bbox_inches="tight")
+    plt.close(figure)
+
+
 def needs(stage):
-    """If you need X, set Y, pay Z: for each power of ten that something meets, the cheapest."""
+    """If you need X, set Y, pay Z: for each power of ten that something meets, the cheapest; only
+    the strictest that a setting meets."""
     greatest = max(stage.rms(i) for i in stage.points)
     least = min((stage.rms(i) for i in stage.points if stage.rms(i) > 0), default=0)
     if least == 0:
         return []
-    rows = []
+    rows = {}
     for power in range(math.floor(math.log10(greatest)), math.floor(math.log10(least)) - 1, -1):
         meeting = [i for i in stage.points if stage.rms(i) <= 10.0**power]
         if meeting:
-            rows.append((10.0**power, min(meeting, key=stage.seconds)))
-    return rows
+            rows[min(meeting, key=stage.seconds)] = 10.0**power
+    return [(limit, i) for i, limit in rows.items()]
 
 
 def table(head, rows):
@@ -210,22 +245,23 @@ def main(folder):
                f"truth: {html.escape(results['truth'])}</small></p>")
 
     out.append("<h2>At a glance</h2>")
-    rows = []
-    for stage in stages:
-        for family, gain, cost, best, wasted in verdicts(stage):
-            verdict = ("<span class=waste>no effect here</span>" if gain < 1.05 else
-                       "<span class=good>free</span>" if cost < 1.1 else
-                       "<span class=good>cheap</span>" if cost < math.sqrt(gain) else
-                       "<span class=waste>dear</span>")
-            waste = ("" if not wasted else "<span class=waste>"
-                     + html.escape("; ".join(text_of(settings[i]["setting"]) for i in wasted))
-                     + "</span>")
-            rows.append((gain / cost, (stage.name, family, f"{number(gain)} times",
-                         f"{cost:.2g} times",
-                         html.escape(text_of(settings[best]["setting"])), verdict, waste)))
-    rows.sort(key=lambda row: -row[0])
-    out.append(table(("error of", "knob", "error falls by", "for", "best value", "", "wasted money: "
-                      "another setting is surely cheaper and no worse"), [row for _, row in rows]))
+    bought = sorted((row for stage in stages for row in verdicts(stage)),
+                    key=lambda row: -row[2] / row[3])
+    draw_overview(bought, report / "overview.png")
+    out.append('<img class=plot src="overview.png">')
+    out.append(table(("error of", "knob", "error falls by", "time grows by", "best value", ""), [
+        (stage.name, family, f"{number(gain)} times", f"{cost:.2g} times",
+         html.escape(text_of(settings[best]["setting"])), verdict(gain, cost))
+        for stage, family, gain, cost, best in bought]))
+    wasted = sorted((row for stage in stages for row in waste(stage)), key=lambda row: -row[3])
+    if wasted:
+        out.append("<h2>Where money is wasted</h2>" + table(
+            ("error of", "setting", "rms", "pays", "no worse", "rms", "for", ""), [
+                (stage.name, f"<span class=waste>{html.escape(text_of(settings[i]['setting']))}"
+                 "</span>", f"{number(stage.rms(i))} {stage.unit}", seconds(stage.seconds(i)),
+                 f"<span class=good>{html.escape(text_of(settings[j]['setting']))}</span>",
+                 number(stage.rms(j)), seconds(stage.seconds(j)), f"{ratio:.2g} times the price")
+                for stage, i, j, ratio in wasted[:12]]))
 
     out.append("<h2>If you need X, set Y, pay Z</h2>")
     rows = []

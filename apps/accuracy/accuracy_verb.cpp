@@ -185,7 +185,7 @@ Verb accuracy_verb(CLI::App& program, std::vector<std::filesystem::path> shader_
                "Of the pictures, in pixels (default 256x256)")
         ->type_name("WxH");
     app->add_option("--repeats", command->run.rounds,
-                    "Rounds over all settings; medians count (default 5)")
+                    "Rounds over all settings; medians count (default 3)")
         ->check(CLI::Range(1, 1000))
         ->type_name("N");
     app->add_flag("--calibrate", command->calibrate,

@@ -10,7 +10,7 @@ namespace isocast {
 struct RunOptions {
     std::filesystem::path folder;
     std::vector<Sweep> sweeps; // the usual ones if empty
-    int rounds = 5;
+    int rounds = 3;
     bool is_fresh = false; // what the folder holds does not count
 };
 

@@ -198,7 +198,7 @@ std::vector<Sweep> usual_sweeps(Subject subject, int samples_per_axis, double br
     if (subject == Subject::Mesh) {
         sweeps.push_back({{"resolution", {"32", "64", "256"}}, {"filter", {"interpolating"}}});
         sweeps.push_back({{"resolution", {"64", "256"}}, {"filter", {"linear", "bspline"}}});
-        sweeps.push_back({{"octree_error", {"0.01", "0.003", "0.001", "0.0003"}}});
+        sweeps.push_back({{"octree_error", {"0.01", "0.003"}}});
         sweeps.push_back(
             {{"resolution", {"64"}}, {"method", {"prism", "printed", "csc", "kdtree"}}});
         sweeps.push_back({{"resolution", {"64"}}, {"device", {"gl"}}});

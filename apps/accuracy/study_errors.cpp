@@ -16,8 +16,8 @@ namespace isocast {
 
 namespace {
 
-/// Of values that are not known of every pixel: NaN where one is not.
-Error error_of(const std::vector<double>& values) {
+/// Of values that are not known of every pixel: NaN where one is not. Nothing if none is.
+std::optional<Error> error_of(const std::vector<double>& values) {
     Error error;
     double sum = 0;
     int count = 0;
@@ -27,8 +27,14 @@ Error error_of(const std::vector<double>& values) {
         error.max = std::max(error.max, value);
         ++count;
     }
-    error.rms = std::sqrt(sum / std::max(count, 1));
+    if (count == 0) return std::nullopt;
+    error.rms = std::sqrt(sum / count);
     return error;
+}
+
+void add(const std::string& name, const std::vector<double>& values,
+         std::map<std::string, Error>& errors) {
+    if (const auto error = error_of(values)) errors[name] = *error;
 }
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
@@ -67,7 +73,7 @@ Error Study::sample_error(const FieldSource& field) const {
         errors.push_back(has_signs ? std::abs(stored - exact)
                                    : std::abs(std::abs(stored) - std::abs(exact)));
     }
-    return error_of(errors);
+    return error_of(errors).value_or(Error{});
 }
 
 const ReferenceCaster& Study::caster_of(const FieldObject& object, bool is_usual_field) {
@@ -105,7 +111,8 @@ void Study::add_hit_errors(const Scene& scene, bool is_usual_field,
     const FirstHits* reference = caster   ? &reference_hits_.at(scene.objects[0].filter)
                                  : truth_ ? &truth_->hits
                                           : nullptr;
-    const double near_world = scene.objects.empty() ? 1e-3 * diagonal_world_ : base_voxel_world_;
+    const double near_world =
+        subject_ == Subject::Molecule ? 1e-3 * diagonal_world_ : base_voxel_world_;
 
     const std::size_t count = view_.pixel_count();
     std::vector<double> surface(count, unknown), position(count, unknown), normal(count, unknown);
@@ -123,7 +130,8 @@ void Study::add_hit_errors(const Scene& scene, bool is_usual_field,
             if (reference && std::isfinite((*reference)[pixel]))
                 is_behind[pixel] =
                     std::abs(along - (*reference)[pixel]) * ray.direction_world.norm() > near_world;
-            if (caster) {
+            // Of those alone that are where they should be: elsewhere f may be constant.
+            if (caster && std::isfinite((*reference)[pixel]) && !is_behind[pixel]) {
                 const Vec3d p_index = scene.objects[0].field->space().to_index(p_world);
                 position[pixel] =
                     std::abs(caster->value(p_index)) / caster->gradient(p_index).norm();
@@ -143,10 +151,10 @@ void Study::add_hit_errors(const Scene& scene, bool is_usual_field,
         },
         progress_);
     if (truth_) {
-        errors["surface"] = error_of(surface);
-        errors["normal"] = error_of(normal);
+        add("surface", surface, errors);
+        add("normal", normal, errors);
     }
-    if (caster) errors["position"] = error_of(position);
+    if (caster) add("position", position, errors);
     if (!reference) return;
     if (!caster && subject_ != Subject::Molecule) return; // of another function
     for (std::size_t pixel = 0; pixel < count; ++pixel) {
@@ -183,7 +191,7 @@ void Study::add_curvature_error(const Scene& scene, std::map<std::string, Error>
                 base_voxel_world_ * std::max(std::abs(k[0] - exact.k1), std::abs(k[1] - exact.k2));
         },
         progress_);
-    errors["curvature"] = error_of(off);
+    add("curvature", off, errors);
 }
 
 } // namespace isocast

@@ -66,7 +66,8 @@ Error Study::sample_error(const FieldSource& field) const {
             index[axis] =
                 box.lo[axis] + static_cast<int>(random() % static_cast<unsigned>(box.size()[axis]));
         const double stored = sample(field, index);
-        if (reach && std::abs(stored) >= *reach) continue;
+        // Where the band ends samples hold its width, rounded.
+        if (reach && std::abs(stored) >= static_cast<float>(*reach)) continue;
         ExactDistance::Hint hint = 0;
         const double exact =
             distance_->at(field.space().to_world(index.cast<double>()), hint).distance;

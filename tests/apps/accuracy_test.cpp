@@ -49,7 +49,7 @@ TEST(Accuracy, GoesOnWhereItWas) {
     const TemporaryFolder folder;
     const std::string run = folder / "run";
     checked_output(isocast(accuracy(run)));
-    Json kept = Json::parse(contents_of(run + "/results.json"));
+    auto kept = nlohmann::ordered_json::parse(contents_of(run + "/results.json"));
     // As if it had been interrupted: one setting has no time yet, and the others a mark.
     kept["settings"][1]["seconds"] = Json::object();
     kept["settings"][2]["seconds"]["frame"] = {123.0};

@@ -131,6 +131,14 @@ void add_quality_options(KeyOptions& keys) {
     keys.add("--rate", "quality.rate",
              "Take R samples per voxel instead of certified steps; thin pieces may be missed")
         ->type_name("R");
+    add_parsed(keys.app, "--max-error", keys.command.max_error_world, number_from,
+               "Choose the filter, and the resolution of a mesh or a built-in field, that draw the "
+               "surface within E of the true one in the least time, by what `isocast accuracy "
+               "--calibrate` measured")
+        ->type_name("E")
+        ->excludes("--filter")
+        ->excludes("--resolution")
+        ->excludes("--rate");
     keys.add("--rate-factor", "quality.rate_factor",
              "With --rate: N times as many samples within a voxel of the surface (default 1)")
         ->type_name("N");

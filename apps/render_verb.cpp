@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "apps/verbs.h"
 
+#include "apps/accuracy/promise.h"
 #include "apps/console.h"
 #include "apps/output_words.h"
 #include "apps/picture.h"
@@ -237,13 +238,29 @@ private:
     std::vector<Vec3d> framed_world_;
 };
 
+/// The cheapest setting that keeps the error which the command allows; says which.
+void choose(RenderCommand& command, const std::vector<std::filesystem::path>& data_folders,
+            Console& console) {
+    const Promise promise = promise_for(scene_of(command), *command.max_error_world,
+                                        read_front(data_folders), console.progress());
+    command.overrides.push_back([promise](SceneFile& scene) { apply(promise, scene); });
+    console.note(
+        fmt::format("--max-error {}: filter {}{}, which promises {:.2g}", *command.max_error_world,
+                    filter_name(promise.filter),
+                    promise.resolution ? fmt::format(" at {} voxels", *promise.resolution) : "",
+                    promise.error_world));
+}
+
 } // namespace
 
-Verb render_verb(CLI::App& program, std::vector<std::filesystem::path> shader_folders) {
+Verb render_verb(CLI::App& program, std::vector<std::filesystem::path> shader_folders,
+                 std::vector<std::filesystem::path> data_folders) {
     const auto command = std::make_shared<RenderCommand>();
     CLI::App* app = add_render_options(program, *command);
-    return {app, [command, folders = std::move(shader_folders)](Console& console) {
-                Rendering(*command, console).run(folders);
+    return {app, [command, shader_folders = std::move(shader_folders),
+                  data_folders = std::move(data_folders)](Console& console) {
+                if (command->max_error_world) choose(*command, data_folders, console);
+                Rendering(*command, console).run(shader_folders);
             }};
 }
 

@@ -43,6 +43,7 @@ struct Quality {
     std::optional<double> rate;
     int rate_factor = 1;
     double near_voxels = 1;
+    int refine_steps = 12; // with `rate`: of the root between two samples, at most
     /// Of primitives, as in SplatView, for the viewer alone: lights and reflections see all.
     double detail_pixels = 0;
     SplatShading splats = SplatShading::Deferred;

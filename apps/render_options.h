@@ -20,6 +20,7 @@ struct RenderCommand {
     std::vector<std::function<void(SceneFile&)>> overrides; // other options that stand for keys
     std::optional<int> resolution;                          // of meshes
     gl::Backend backend = gl::Backend::Auto;
+    bool reference = false; // in double, without OpenGL
     int repeat = 1;
     bool explain = false;
     std::size_t threads = 0;

@@ -46,6 +46,8 @@ void put(Image& image, std::size_t pixel, const Vec3d& v, double w) {
 void ReferenceRenderer::load(Scene scene, const Progress& progress) {
     const std::vector<FieldObject> objects = objects_of(scene);
     std::vector<std::string> lacking = not_in_reference(scene.look);
+    if (std::ranges::any_of(objects, [](const FieldObject& o) { return o.field->is_adaptive(); }))
+        lacking.emplace_back("octrees");
     if (has_primitives(scene) && uses_curvature(scene.look))
         lacking.emplace_back("curvatures of primitives");
     if (!lacking.empty())

@@ -15,7 +15,8 @@ namespace isocast {
 /// It knows no quality: neither storage nor steps nor budgets change its pictures. What it cannot
 /// draw it refuses: shadows, ambient occlusion, reflection, refraction, environments, solid
 /// textures, flow lines, uncertainty, outlines, the curvature map, steps; numbers that a look
-/// leaves to the picture; and curvatures of primitives.
+/// leaves to the picture; curvatures of primitives; and adaptive fields, of
+/// which it would look at every sample near the surface.
 class ReferenceRenderer {
 public:
     /// throws  InputError if the scene is wrong, or has what the reference cannot draw;

@@ -22,18 +22,21 @@ Words operator+(Words a, const Words& b) {
 }
 
 const Words small{"--size", "48x32"};
-/// Drivers that are not there: nothing can make an OpenGL context.
-const Environment no_opengl{{"LIBGL_DRIVERS_PATH", "/nowhere"},
-                            {"GALLIUM_DRIVER", "nothing"},
-                            {"__EGL_VENDOR_LIBRARY_FILENAMES", "/nowhere"}};
+/// Mesa's software drivers end the program when they are asked for one that there is not.
+const Environment no_opengl{{"GALLIUM_DRIVER", "nothing"}};
 
 TEST(Reference, DrawsWhereThereIsNoOpenGl) {
     const TemporaryFolder folder;
     const Json json = Json::parse(checked_output(isocast(
         Words{"render", "field:torus@24", "-o", folder / "a.png", "--reference", "--json"} + small,
         no_opengl)));
+    EXPECT_NE(
+        isocast(Words{"render", "field:torus@24", "-o", folder / "b.png", "--backend", "osmesa"} +
+                    small,
+                no_opengl)
+            .code,
+        0);
     EXPECT_TRUE(json["gl"].is_null());
-    EXPECT_EQ(json["seconds"]["context"].get<double>() < 0.01, true);
     ASSERT_EQ(json["passes"].size(), 1U);
     EXPECT_EQ(json["passes"][0]["name"], "reference");
     EXPECT_EQ(folder.entry_count(), 1);
@@ -118,7 +121,11 @@ std::vector<std::string> written(const Words& command, const std::string& name) 
     for (const char* threads : {"1", "2", "1", "2"}) {
         const TemporaryFolder folder;
         checked_output(isocast(command + Words{"-o", folder / name, "--threads", threads}));
-        files.push_back(contents_of(folder / name));
+        std::map<std::string, std::string> all; // a .mhd has its samples beside it
+        for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+            all[entry.path().filename()] = contents_of(entry.path());
+        std::string& file = files.emplace_back();
+        for (const auto& [_, bytes] : all) file += bytes;
     }
     return files;
 }
@@ -132,7 +139,7 @@ TEST(Determinism, FieldFilesHaveTheSameBytes) {
     for (const auto& [command, name] : std::vector<std::pair<Words, std::string>>{
              {{"convert", "mesh:knot", "--resolution", "48"}, "a.vdb"},
              {{"convert", "mesh:knot", "--resolution", "48"}, "a.nrrd"},
-             {{"convert", "mesh:torus", "--resolution", "32"}, "a.mha"},
+             {{"convert", "mesh:torus", "--resolution", "32"}, "a.mhd"},
              {{"convert", "mesh:torus", "--resolution", "32"}, "a.vti"},
              {{"convert", "mesh:seashell", "--method", "octree", "--max-error", "0.01"}, "a.hoct"},
              {{"convert", "mesh:torus", "--method", "points", "--resolution", "32"}, "a.vdb"},

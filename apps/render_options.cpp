@@ -216,6 +216,10 @@ CLI::App* add_render_options(CLI::App& program, RenderCommand& command) {
     add_parsed(*app, "--backend", command.backend, offscreen_backend_from,
                "OpenGL through: auto (egl, then osmesa), egl, osmesa")
         ->type_name("NAME");
+    app->add_flag(
+        "--reference", command.reference,
+        "Draw in double on the processor, without OpenGL: slow, and what the GPU's pictures "
+        "are compared with (docs/raycasting.md says what it does not draw)");
     app->add_option("--repeat", command.repeat, "Draw each frame N times and report median times")
         ->check(CLI::Range(1, 10000))
         ->type_name("N");

@@ -21,6 +21,7 @@ struct RenderCommand {
     std::optional<int> resolution;                          // of meshes
     std::optional<double> max_error_world;                  // chooses filter and resolution
     gl::Backend backend = gl::Backend::Auto;
+    bool reference = false; // in double, without OpenGL
     int repeat = 1;
     bool explain = false;
     std::size_t threads = 0;

@@ -340,7 +340,8 @@ private:
 HashedOctree build_adaptive(const ExactDistance& distance, const AdaptiveOptions& options,
                             const Progress& progress) {
     GrowingTree tree(distance, options);
-    std::vector<OctreeCell> leaves = {{Index3::Zero(), options.depth}};
+    std::vector<OctreeCell> leaves; // that can be divided
+    if (options.depth > 0) leaves.push_back({Index3::Zero(), options.depth});
     for (int i = 0; i < std::min(divided_levels, options.depth); ++i) leaves = tree.divide(leaves);
     tree.grow(std::move(leaves), progress);
     tree.constrain();

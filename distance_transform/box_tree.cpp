@@ -3,7 +3,6 @@
 #include "distance_transform/box_tree.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 namespace isocast {
@@ -13,11 +12,6 @@ namespace {
 /// The middle, twice.
 Vec3d middle_of(const WorldBox& box) {
     return box.min + box.max;
-}
-
-float rounded_down(double x) {
-    const auto rounded = static_cast<float>(x);
-    return rounded > x ? std::nextafter(rounded, -std::numeric_limits<float>::infinity()) : rounded;
 }
 
 } // namespace
@@ -77,8 +71,8 @@ void BoxTree::build(std::span<const WorldBox> boxes, std::int32_t leaf_items, st
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const auto lane = static_cast<Eigen::Index>(k);
             const auto i = static_cast<Eigen::Index>(axis);
-            nodes_[node].lo[axis][lane] = rounded_down(box.min()[i]);
-            nodes_[node].hi[axis][lane] = -rounded_down(-box.max()[i]);
+            nodes_[node].lo[axis][lane] = static_cast<float>(box.min()[i]);
+            nodes_[node].hi[axis][lane] = static_cast<float>(box.max()[i]);
         }
         if (parts[k].count <= leaf_items) {
             nodes_[node].parts[k] = parts[k];

@@ -17,7 +17,7 @@ namespace isocast {
 ///
 /// The nodes of KdTree (thesis 4.1) are bounded by a plane a level, those here on all six sides:
 /// points far from the surface see a few per cent of the triangles. Four boxes are looked at at
-/// once, in float, about the middle of all; these are rounded outwards, so that no item is missed.
+/// once, in float, about the middle of all; `rounding` and a pad around p see that none is missed.
 class BoxTree {
 public:
     /// boxes       of the items, fewer than 2^31; empty ones are not allowed
@@ -57,7 +57,7 @@ private:
     };
     /// Parts that are pending at most: three a level, of 2^31 items that are halved twice a level.
     static constexpr std::size_t most_pending = 64;
-    /// More than the five roundings of 2^-24 that a squared distance has.
+    /// More than the seven roundings of 2^-24 that a squared distance has.
     static constexpr double rounding = 1e-6;
 
     std::span<std::int32_t> items_of(const Part& part);
@@ -69,7 +69,8 @@ private:
         Place place;
         for (int axis = 0; axis < 3; ++axis) {
             const auto x = static_cast<float>(p[axis] - middle_[axis]);
-            const float pad = std::abs(x) * 0x1p-22F; // four times what rounding takes
+            const float pad =
+                std::abs(x) * 0x1p-22F; // rounds by a quarter of it, a box there as well
             place.lo[static_cast<std::size_t>(axis)] = x - pad;
             place.hi[static_cast<std::size_t>(axis)] = x + pad;
         }

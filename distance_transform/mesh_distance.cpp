@@ -146,8 +146,11 @@ MeshDistance::Frame MeshDistance::frame_of(const std::array<Vec3d, 3>& corners) 
 MeshDistance::Closest MeshDistance::closest_on(std::int32_t triangle, const Vec3d& p) const {
     const Frame& frame = frames_[static_cast<std::size_t>(triangle)];
     if (!(frame.top_y > 0)) {
-        const ClosestPoint closest = closest_point(p, corners_[static_cast<std::size_t>(triangle)]);
-        return {p - closest.p, closest.feature};
+        // As seen from p: far from the origin closest_point loses more than a sliver's height.
+        std::array<Vec3d, 3> corners = corners_[static_cast<std::size_t>(triangle)];
+        for (Vec3d& corner : corners) corner -= p;
+        const ClosestPoint closest = closest_point(Vec3d::Zero(), corners);
+        return {-closest.p, closest.feature};
     }
     const Vec3d from_origin = p - frame.origin;
     const double x = from_origin.dot(frame.x);

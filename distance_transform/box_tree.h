@@ -69,8 +69,8 @@ private:
         Place place;
         for (int axis = 0; axis < 3; ++axis) {
             const auto x = static_cast<float>(p[axis] - middle_[axis]);
-            const float pad =
-                std::abs(x) * 0x1p-22F; // rounds by a quarter of it, a box there as well
+            // x is off by a quarter of it, a box there by another.
+            const float pad = std::abs(x) * 0x1p-22F;
             place.lo[static_cast<std::size_t>(axis)] = x - pad;
             place.hi[static_cast<std::size_t>(axis)] = x + pad;
         }

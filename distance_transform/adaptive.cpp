@@ -52,7 +52,7 @@ Cube cube_of(const OctreeCell& cell) {
 
 /// By how much a leaf keeps what it must.
 struct Margin {
-    bool is_known = false;     // those of finest leaves are found when they are asked for
+    bool is_known = false;     // others, of finest leaves, are found once a corner has moved
     float slack = 0;           // what its corners may move by
     float error_at_centre = 0; // of the interpolant less the distance
 };
@@ -174,9 +174,12 @@ public:
 
     /// Divides the leaves that must be, and what they are divided into.
     void grow(std::vector<OctreeCell> leaves, const Progress& progress) {
-        const int levels = leaves.empty() ? 0 : leaves.front().level;
+        const auto highest_level = [&] {
+            return leaves.empty() ? 0 : std::ranges::max(leaves, {}, &OctreeCell::level).level;
+        };
+        const int levels = highest_level();
         while (!leaves.empty()) {
-            const int level = leaves.front().level;
+            const int level = highest_level(); // less each time
             const auto report = [&](std::string_view stage, double fraction) {
                 progress(stage, (levels - level + fraction) / levels);
             };
@@ -265,7 +268,8 @@ public:
     }
 
 private:
-    /// New nodes that each divided cell has at least, in large trees.
+    /// New nodes of a divided cell whose neighbours are divided too: its middle, half of each
+    /// face's and a quarter of each edge's.
     static constexpr std::size_t least_nodes = 7;
 
     void sample(const Index3& position, ExactDistance::Hint& hint, std::span<float> out) const {
@@ -340,7 +344,8 @@ private:
 HashedOctree build_adaptive(const ExactDistance& distance, const AdaptiveOptions& options,
                             const Progress& progress) {
     GrowingTree tree(distance, options);
-    std::vector<OctreeCell> leaves = {{Index3::Zero(), options.depth}};
+    std::vector<OctreeCell> leaves; // that can be divided
+    if (options.depth > 0) leaves.push_back({Index3::Zero(), options.depth});
     for (int i = 0; i < std::min(divided_levels, options.depth); ++i) leaves = tree.divide(leaves);
     tree.grow(std::move(leaves), progress);
     tree.constrain();

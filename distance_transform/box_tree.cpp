@@ -3,23 +3,15 @@
 #include "distance_transform/box_tree.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 namespace isocast {
 
 namespace {
 
-constexpr float infinity = std::numeric_limits<float>::infinity();
-
 /// The middle, twice.
 Vec3d middle_of(const WorldBox& box) {
     return box.min + box.max;
-}
-
-float rounded_down(double x) {
-    const auto rounded = static_cast<float>(x);
-    return rounded > x ? std::nextafter(rounded, -infinity) : rounded;
 }
 
 } // namespace
@@ -35,51 +27,53 @@ BoxTree::BoxTree(std::span<const WorldBox> boxes, std::int32_t leaf_items) : ord
     build(boxes, leaf_items, 0, {0, static_cast<std::int32_t>(boxes.size())});
 }
 
+std::span<std::int32_t> BoxTree::items_of(const Part& part) {
+    return std::span(order_).subspan(static_cast<std::size_t>(part.first),
+                                     static_cast<std::size_t>(part.count));
+}
+
+std::array<BoxTree::Part, 2> BoxTree::halve(std::span<const WorldBox> boxes,
+                                            std::int32_t leaf_items, const Part& part) {
+    const std::span<std::int32_t> items = items_of(part);
+    const auto middle = [&](std::int32_t i) {
+        return middle_of(boxes[static_cast<std::size_t>(i)]);
+    };
+    Eigen::AlignedBox3d middles;
+    for (const std::int32_t i : items) middles.extend(middle(i));
+    int axis = 0;
+    middles.sizes().maxCoeff(&axis);
+    // All leaves but the last are full.
+    const std::int32_t half = (part.count / 2 + leaf_items - 1) / leaf_items * leaf_items;
+    std::ranges::nth_element(items, items.begin() + half, {},
+                             [&](std::int32_t i) { return std::pair(middle(i)[axis], i); });
+    return {Part{part.first, half}, Part{part.first + half, part.count - half}};
+}
+
 void BoxTree::build(std::span<const WorldBox> boxes, std::int32_t leaf_items, std::size_t node,
-                    Part items) {
-    const auto box_of = [&](std::int32_t i) -> const WorldBox& {
-        return boxes[static_cast<std::size_t>(i)];
-    };
-    const auto items_of = [&](const Part& part) {
-        return std::span(order_).subspan(static_cast<std::size_t>(part.first),
-                                         static_cast<std::size_t>(part.count));
-    };
+                    const Part& items) {
     std::vector<Part> parts = {items};
     for (int turn = 0; turn < 2; ++turn) {
         std::vector<Part> halves;
         for (const Part& part : parts) {
-            if (part.count <= leaf_items) {
+            if (part.count <= leaf_items)
                 halves.push_back(part);
-                continue;
-            }
-            const std::span<std::int32_t> own = items_of(part);
-            Eigen::AlignedBox3d middles;
-            for (const std::int32_t i : own) middles.extend(middle_of(box_of(i)));
-            int axis = 0;
-            middles.sizes().maxCoeff(&axis);
-            const std::int32_t half = (part.count / 2 + leaf_items - 1) / leaf_items * leaf_items;
-            std::ranges::nth_element(own, own.begin() + half, {}, [&](std::int32_t i) {
-                return std::pair(middle_of(box_of(i))[axis], i);
-            });
-            halves.push_back({part.first, half});
-            halves.push_back({part.first + half, part.count - half});
+            else
+                for (const Part& half : halve(boxes, leaf_items, part)) halves.push_back(half);
         }
         parts = std::move(halves);
     }
-    for (std::size_t k = 0; k < 4; ++k) {
+    for (std::size_t k = 0; k < parts.size(); ++k) {
         Eigen::AlignedBox3d box;
-        if (k < parts.size())
-            for (const std::int32_t i : items_of(parts[k]))
-                box.extend(box_of(i).min - middle_).extend(box_of(i).max - middle_);
-        for (int axis = 0; axis < 3; ++axis) {
-            const auto a = static_cast<std::size_t>(axis);
-            const auto lane = static_cast<Eigen::Index>(k);
-            nodes_[node].lo[a][lane] = k < parts.size() ? rounded_down(box.min()[axis]) : infinity;
-            nodes_[node].hi[a][lane] =
-                k < parts.size() ? -rounded_down(-box.max()[axis]) : -infinity;
+        for (const std::int32_t i : items_of(parts[k])) {
+            const WorldBox& its = boxes[static_cast<std::size_t>(i)];
+            box.extend(its.min - middle_).extend(its.max - middle_);
         }
-        nodes_[node].parts[k] = {0, -1};
-        if (k >= parts.size()) continue;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const auto lane = static_cast<Eigen::Index>(k);
+            const auto i = static_cast<Eigen::Index>(axis);
+            nodes_[node].lo[axis][lane] = static_cast<float>(box.min()[i]);
+            nodes_[node].hi[axis][lane] = static_cast<float>(box.max()[i]);
+        }
         if (parts[k].count <= leaf_items) {
             nodes_[node].parts[k] = parts[k];
             continue;

@@ -17,7 +17,7 @@ namespace isocast {
 ///
 /// The nodes of KdTree (thesis 4.1) are bounded by a plane a level, those here on all six sides:
 /// points far from the surface see a few per cent of the triangles. Four boxes are looked at at
-/// once, in float, about the middle of all; these are rounded outwards, so that no item is missed.
+/// once, in float, about the middle of all; `rounding` and a pad around p see that none is missed.
 class BoxTree {
 public:
     /// boxes       of the items, fewer than 2^31; empty ones are not allowed
@@ -41,32 +41,35 @@ public:
 
 private:
     using Floats = Eigen::Array4f;
-    /// Inner nodes: items `first`, `first` + 1, … of a leaf, or where `count` is 0 the node
-    /// `first`.
+    /// Items `first`, `first` + 1, … of a leaf; where `count` is 0, the node `first`; where it is
+    /// negative, nothing.
     struct Part {
-        std::int32_t first;
-        std::int32_t count;
+        std::int32_t first = 0;
+        std::int32_t count = -1;
     };
     struct Node {
-        std::array<Floats, 3> lo,
-            hi; // by axis; of four parts, those that are not there at infinity
+        std::array<Floats, 3> lo, hi; // by axis, from the middle; of four parts
         std::array<Part, 4> parts;
     };
     /// A point between two floats on each axis.
     struct Place {
         std::array<float, 3> lo, hi;
     };
-    /// Four a level, of 2^31 items halved twice a level, are pending at most.
+    /// Parts that are pending at most: three a level, of 2^31 items that are halved twice a level.
     static constexpr std::size_t most_pending = 64;
-    /// More than what float arithmetic takes off a squared distance.
+    /// More than the seven roundings of 2^-24 that a squared distance has.
     static constexpr double rounding = 1e-6;
 
+    std::span<std::int32_t> items_of(const Part& part);
+    std::array<Part, 2> halve(std::span<const WorldBox> boxes, std::int32_t leaf_items,
+                              const Part& part);
     void build(std::span<const WorldBox> boxes, std::int32_t leaf_items, std::size_t node,
-               Part items);
+               const Part& items);
     Place place_of(const Vec3d& p) const {
         Place place;
         for (int axis = 0; axis < 3; ++axis) {
             const auto x = static_cast<float>(p[axis] - middle_[axis]);
+            // x is off by a quarter of it, a box there by another.
             const float pad = std::abs(x) * 0x1p-22F;
             place.lo[static_cast<std::size_t>(axis)] = x - pad;
             place.hi[static_cast<std::size_t>(axis)] = x + pad;

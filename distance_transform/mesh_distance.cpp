@@ -16,8 +16,8 @@ constexpr double sliver_ratio = 1e-6;
 
 constexpr std::int32_t leaf_triangles = 4; // which are bounded at once
 
-/// What floats can take off the distance to a plane, over the lengths that it is the difference of:
-/// some roundings of 2^-24 each.
+/// What floats can add to a bound, over the distances of p and the triangle from the origin: eight
+/// roundings of 2^-24, in two distances at a right angle.
 constexpr double slab_slack = 0x1p-20;
 
 /// How often a triangle is split into four for a better bound: each time what the bend adds is a
@@ -112,12 +112,9 @@ MeshDistance::MeshDistance(const Mesh& mesh, const MeshTopology& topology,
       normals_(mesh, topology), winding_(winding) {
     frames_.reserve(corners_.size());
     for (const std::array<Vec3d, 3>& corners : corners_) frames_.push_back(frame_of(corners));
-    Eigen::AlignedBox3d box;
-    for (const Vec3d& vertex : mesh.vertices_world) box.extend(vertex);
-    if (!box.isEmpty()) {
-        slab_origin_ = box.center();
-        slab_radius_ = box.diagonal().norm() / 2;
-    }
+    const WorldBox box = bounding_box(mesh);
+    slab_origin_ = (box.min + box.max) / 2;
+    slab_radius_ = box.size().norm() / 2;
     add_slabs();
 }
 
@@ -149,8 +146,11 @@ MeshDistance::Frame MeshDistance::frame_of(const std::array<Vec3d, 3>& corners) 
 MeshDistance::Closest MeshDistance::closest_on(std::int32_t triangle, const Vec3d& p) const {
     const Frame& frame = frames_[static_cast<std::size_t>(triangle)];
     if (!(frame.top_y > 0)) {
-        const ClosestPoint closest = closest_point(p, corners_[static_cast<std::size_t>(triangle)]);
-        return {p - closest.p, closest.feature};
+        // As seen from p: far from the origin closest_point loses more than a sliver's height.
+        std::array<Vec3d, 3> corners = corners_[static_cast<std::size_t>(triangle)];
+        for (Vec3d& corner : corners) corner -= p;
+        const ClosestPoint closest = closest_point(Vec3d::Zero(), corners);
+        return {-closest.p, closest.feature};
     }
     const Vec3d from_origin = p - frame.origin;
     const double x = from_origin.dot(frame.x);
@@ -184,7 +184,6 @@ MeshDistance::Closest MeshDistance::closest_on(std::int32_t triangle, const Vec3
 }
 
 void MeshDistance::add_slabs() {
-    const Vec3d origin = slab_origin_;
     slabs_.resize((corners_.size() + leaf_triangles - 1) / leaf_triangles);
     for (std::size_t place = 0; place < corners_.size(); ++place) {
         const Frame& frame = frames_[static_cast<std::size_t>(tree_.order()[place])];
@@ -209,7 +208,7 @@ void MeshDistance::add_slabs() {
             slabs[k].x[lane] = static_cast<float>(normals[k].x());
             slabs[k].y[lane] = static_cast<float>(normals[k].y());
             slabs[k].z[lane] = static_cast<float>(normals[k].z());
-            slabs[k].offset[lane] = static_cast<float>(normals[k].dot(points[k] - origin));
+            slabs[k].offset[lane] = static_cast<float>(normals[k].dot(points[k] - slab_origin_));
         }
     }
 }
@@ -229,13 +228,12 @@ ExactDistance::Sample MeshDistance::at(const Vec3d& p, Hint& hint) const {
         p, [&] { return squared_distance; },
         [&](std::int32_t first, std::int32_t end) {
             const Slabs& slabs = slabs_[static_cast<std::size_t>(first / leaf_triangles)];
-            const Floats bounds =
-                slabs[0].at(from_origin).square() + slabs[1]
-                                                        .at(from_origin)
-                                                        .max(slabs[2].at(from_origin))
-                                                        .max(slabs[3].at(from_origin))
-                                                        .max(0)
-                                                        .square();
+            const Floats beyond = slabs[1]
+                                      .at(from_origin)
+                                      .max(slabs[2].at(from_origin))
+                                      .max(slabs[3].at(from_origin))
+                                      .max(0);
+            const Floats bounds = slabs[0].at(from_origin).square() + beyond.square();
             for (std::int32_t place = first; place < end; ++place) {
                 if (!(bounds[place - first] <= squared_reach)) continue;
                 const std::int32_t other = tree_.order()[static_cast<std::size_t>(place)];

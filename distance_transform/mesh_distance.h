@@ -44,7 +44,8 @@ private:
             return x * p.x() + y * p.y() + z * p.z() - offset;
         }
     };
-    /// Bounds on the distances to four triangles: from their planes, and beyond their edges.
+    /// Bounds on the distances to four triangles: from their planes, and beyond their edges, in
+    /// the same order as the longest edge's, the right and the left one. All 0 for slivers.
     using Slabs = std::array<Planes, 4>;
     void add_slabs();
     static Frame frame_of(const std::array<Vec3d, 3>& corners);
@@ -55,8 +56,8 @@ private:
     Pseudonormals normals_;
     const WindingNumber* winding_;
     std::vector<Frame> frames_;
-    Vec3d slab_origin_ = Vec3d::Zero();
-    double slab_radius_ = 0;
+    Vec3d slab_origin_;        // the middle of the mesh
+    double slab_radius_;       // of a ball around it that holds the mesh
     std::vector<Slabs> slabs_; // by the places of the tree's leaves
 };
 

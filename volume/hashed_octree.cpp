@@ -271,7 +271,7 @@ void HashedOctree::merge(const OctreeCell& cell) {
 
 void HashedOctree::constrain_hanging_nodes(const NodeSampler& sampler) {
     // A node hangs if one of the cells that have it inside an edge or a face is not divided. Those
-    // that are get counted, which takes a tenth of the time of looking up all of each node's.
+    // that are get counted, which takes a fifth of the time of looking up all of each node's.
     std::vector<std::uint8_t> divided(constrained_.size());
     constexpr std::uint8_t seen = 255;
     const auto visit_middles = [&](const auto& visit) {

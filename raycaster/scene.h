@@ -1,5 +1,6 @@
 // What is drawn: a field or a solid composed of several, how finely rays search it, and how it
-// looks. SPDX-License-Identifier: MPL-2.0
+// looks.
+// SPDX-License-Identifier: MPL-2.0
 #pragma once
 
 #include "quadrics/cut.h"

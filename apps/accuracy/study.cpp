@@ -214,8 +214,8 @@ Image Study::draw_beauty(const SceneFile& scene) {
                                  .samples = scene.output.samples,
                                  .pixel_filter = scene.output.pixel_filter};
     Image picture{view_.width, view_.height, {}};
-    draw_picture(renderer_, {{.camera = view_.camera, .picture_width = view_.width}}, request,
-                 [&](const std::vector<FrameImages>& rows) {
+    draw_picture(source_of(renderer_), {{.camera = view_.camera, .picture_width = view_.width}},
+                 request, [&](const std::vector<FrameImages>& rows) {
                      const auto& more = rows.front().at(FrameImage::Beauty).rgba;
                      picture.rgba.insert(picture.rgba.end(), more.begin(), more.end());
                  });

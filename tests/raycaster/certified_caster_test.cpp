@@ -1,5 +1,6 @@
 // The certified caster against closed forms, and against brute force on fields that ray casters
-// miss. SPDX-License-Identifier: MPL-2.0
+// miss.
+// SPDX-License-Identifier: MPL-2.0
 #include "raycaster/certified_caster.h"
 
 #include "filtering/reconstruct.h"

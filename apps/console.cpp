@@ -46,6 +46,11 @@ Progress Console::progress() {
     };
 }
 
+void Console::note(std::string_view message) {
+    end_progress();
+    fmt::print(stderr, "isocast: {}\n", message);
+}
+
 void Console::warn(std::string_view message) {
     end_progress();
     fmt::print(stderr, "isocast: warning: {}\n", message);

@@ -26,6 +26,7 @@ public:
     /// Clears that line. Call before printing to stdout, which may be the same terminal.
     void end_progress();
 
+    void note(std::string_view message);
     void warn(std::string_view message);
     void error(std::string_view message);
 

@@ -3,6 +3,7 @@
 
 #include "apps/console.h"
 #include "apps/convert_report.h"
+#include "apps/gpu_scanner.h"
 #include "apps/inputs.h"
 #include "apps/mesh_repair.h"
 #include "apps/octree_output.h"
@@ -10,7 +11,6 @@
 #include "apps/points_input.h"
 #include "apps/verdict_json.h"
 #include "distance_transform/convert.h"
-#include "distance_transform/gl/scan_on_gpu.h"
 #include "volume/errors.h"
 #include "volume/files.h"
 #include "volume/sparsify.h"
@@ -108,20 +108,6 @@ void check_command(const ConvertCommand& command) {
     if (command.method == Method::Points &&
         (command.extend != Extend::None || command.sign != SignMethod::Auto || command.repair))
         throw UsageError("--method points has no --extend, --sign or --repair");
-}
-
-/// Makes its context when a band is to be scanned, and gives it up after.
-BandScanner gpu_scanner(const std::vector<std::filesystem::path>& shader_folders) {
-    return [shader_folders](const Sites& sites, const BandTiles& band, const WindingNumber* winding,
-                            double voxel_size_world, std::int64_t& evaluations,
-                            const Progress& progress) {
-        const auto context = gl::make_context();
-        gl::ShaderLibrary shaders({first_folder_of(shader_folders)});
-        GpuScan scan =
-            scan_on_gpu(*context, shaders, sites, band, winding, voxel_size_world, {}, progress);
-        evaluations += scan.candidates;
-        return std::move(scan.blocks);
-    };
 }
 
 ConvertOptions options_for(const ConvertCommand& command, const WorldBox& box) {

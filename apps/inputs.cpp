@@ -134,8 +134,8 @@ std::filesystem::path first_folder_of(const std::vector<std::filesystem::path>& 
         if (std::filesystem::is_directory(folder)) return folder;
         names.push_back(folder.string());
     }
-    throw std::runtime_error(
-        fmt::format("no shaders: there is no folder {}", fmt::join(names, " and no ")));
+    throw std::runtime_error(fmt::format("files of the program are missing: there is no folder {}",
+                                         fmt::join(names, " and no ")));
 }
 
 } // namespace isocast

@@ -39,6 +39,12 @@ std::vector<std::filesystem::path> shader_folders() {
     return {bin / "shaders", bin.parent_path() / "share/isocast/shaders"};
 }
 
+/// Likewise, of what is neither program nor shader.
+std::vector<std::filesystem::path> data_folders() {
+    const auto bin = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+    return {bin / "data", bin.parent_path() / "share/isocast/data"};
+}
+
 int run(int argc, char** argv, Console& console) {
     CLI::App program("Meshes to distance fields, distance fields to pictures.", "isocast");
     program.set_version_flag("--version", "isocast " ISOCAST_VERSION);
@@ -46,8 +52,11 @@ int run(int argc, char** argv, Console& console) {
     program.fallthrough();
     program.require_subcommand(0, 1);
     const std::array verbs{convert_verb(program, shader_folders()),
-                           render_verb(program, shader_folders()), info_verb(program),
-                           sample_verb(program)};
+                           render_verb(program, shader_folders(), data_folders()),
+                           info_verb(program),
+                           accuracy_verb(program, shader_folders(), data_folders()),
+                           sample_verb(program),
+                           selftest_verb(program, shader_folders())};
     for (const Verb& verb : verbs)
         verb.app->footer(fmt::format("{}\n{}", exit_codes, verb.app->get_footer()));
     try {
@@ -62,7 +71,7 @@ int run(int argc, char** argv, Console& console) {
             verb.run(console);
             return Ok;
         }
-    throw UsageError("a verb is needed: convert, render, info or sample");
+    throw UsageError("a verb is needed: convert, render, info, accuracy, sample or selftest");
 }
 
 int run_and_report(int argc, char** argv, Console& console) {

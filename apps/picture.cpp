@@ -12,12 +12,13 @@ namespace isocast {
 namespace {
 
 /// One frame, drawn `repeat` times: the median of each pass's times.
-FrameReport draw_frame(Renderer& renderer, const PictureView& view, const PictureRequest& request,
-                       const ImageSet& wanted, const PicturePart& part) {
+FrameReport draw_frame(const PictureSource& source, const PictureView& view,
+                       const PictureRequest& request, const ImageSet& wanted,
+                       const PicturePart& part) {
     FrameReport report;
     std::vector<std::vector<double>> times;
     for (int frame = 0; frame < request.repeat; ++frame) {
-        report = renderer.draw(view.camera, view.picture_width, request.height, wanted, part);
+        report = source.draw(view.camera, view.picture_width, request.height, wanted, part);
         times.resize(report.passes.size());
         for (std::size_t i = 0; i < times.size(); ++i)
             times[i].push_back(report.passes[i].milliseconds);
@@ -139,7 +140,15 @@ std::vector<PicturePart> parts_of(int width, int height, int edge, int limit) {
     return parts;
 }
 
-FrameReport draw_picture(Renderer& renderer, const std::vector<PictureView>& views,
+PictureSource source_of(Renderer& renderer) {
+    return {
+        gl::max_image_extent(), reach_pixels(renderer.look()),
+        [&](const Camera& camera, int width, int height, const ImageSet& wanted,
+            const PicturePart& part) { return renderer.draw(camera, width, height, wanted, part); },
+        [&](FrameImage image) { return renderer.read(image); }};
+}
+
+FrameReport draw_picture(const PictureSource& source, const std::vector<PictureView>& views,
                          const PictureRequest& request,
                          const std::function<void(const std::vector<FrameImages>&)>& write,
                          const Progress& progress) {
@@ -147,10 +156,9 @@ FrameReport draw_picture(Renderer& renderer, const std::vector<PictureView>& vie
     for (const FrameImage image : request.others) others.insert(image);
     const std::vector<Eigen::Vector2d> shifts =
         sample_shifts(request.samples, request.pixel_filter);
-    const int reach = reach_pixels(renderer.look());
     const std::vector<PicturePart> parts =
         parts_of(request.width, request.height, request.tile_pixels,
-                 gl::max_image_extent() - 2 * (reach + 1));
+                 source.greatest_extent - 2 * (source.reach + 1));
     FrameReport report;
     std::vector<FrameImages> rows(views.size());
     // One frame for all where it shows the pixels' middles.
@@ -163,17 +171,17 @@ FrameReport draw_picture(Renderer& renderer, const std::vector<PictureView>& vie
         const double first = std::floor(view.first_pixel);
         PicturePart in_picture = part;
         in_picture.x += static_cast<int>(first);
-        PicturePart around = grown(in_picture, reach, view.picture_width, request.height);
+        PicturePart around = grown(in_picture, source.reach, view.picture_width, request.height);
         const Eigen::Vector2d middle(view.first_pixel - first, 0);
         const auto draw = [&](const ImageSet& wanted, const Eigen::Vector2d& shift) {
             if (progress)
                 progress("drawing",
                          double(drawn++) / double(parts.size() * views.size() * frames_of_part));
             around.shift = middle + shift;
-            add(report, draw_frame(renderer, view, request, wanted, around));
+            add(report, draw_frame(source, view, request, wanted, around));
         };
         const auto add_to_rows = [&](FrameImage image, float weight) {
-            add_pixels(rows_of_view.at(image), renderer.read(image), part, in_picture.x - around.x,
+            add_pixels(rows_of_view.at(image), source.read(image), part, in_picture.x - around.x,
                        in_picture.y - around.y, weight);
         };
         if (is_one_frame || !request.others.empty()) {

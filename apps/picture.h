@@ -19,6 +19,18 @@ struct PictureRequest {
     int repeat = 1;      // each frame is drawn so often, for times
 };
 
+/// What draws the parts of a picture.
+struct PictureSource {
+    int greatest_extent = 0; // the longest side of a part
+    int reach = 0;           // reach_pixels()
+    /// Renderer::draw.
+    std::function<FrameReport(const Camera&, int width, int height, const ImageSet&,
+                              const PicturePart&)>
+        draw;
+    std::function<Image(FrameImage)> read; // of what was drawn last
+};
+PictureSource source_of(Renderer& renderer); // which must outlive it
+
 /// Where in a pixel its samples lie [pixels from its middle]: Hammersley's points, no two of which
 /// share a row or column, moved so that the filter is even weights. Multiples of 1/128.
 ///
@@ -36,13 +48,13 @@ int reach_pixels(const Look& look);
 /// limit  the longest side of one
 std::vector<PicturePart> parts_of(int width, int height, int edge, int limit);
 
-/// Draws the loaded scene. Pixels are bit by bit the same for any tiles.
+/// Draws the source's scene. Pixels are bit by bit the same for any tiles.
 ///
 /// views    windows of the request's size
 /// write    takes the next rows of each view, from the top; images that were not asked for are
-/// empty returns  what passes cost in all; bytes are those held at a time throws   as
-/// Renderer::draw
-FrameReport draw_picture(Renderer& renderer, const std::vector<PictureView>& views,
+/// empty returns  what passes cost in all; bytes are those held at a time throws   as the source's
+/// draw
+FrameReport draw_picture(const PictureSource& source, const std::vector<PictureView>& views,
                          const PictureRequest& request,
                          const std::function<void(const std::vector<FrameImages>&)>& write,
                          const Progress& progress = {});

@@ -131,6 +131,14 @@ void add_quality_options(KeyOptions& keys) {
     keys.add("--rate", "quality.rate",
              "Take R samples per voxel instead of certified steps; thin pieces may be missed")
         ->type_name("R");
+    add_parsed(keys.app, "--max-error", keys.command.max_error_world, number_from,
+               "Choose the filter, and the resolution of a mesh or a built-in field, that draw the "
+               "surface within E of the true one in the least time, by what `isocast accuracy "
+               "--calibrate` measured")
+        ->type_name("E")
+        ->excludes("--filter")
+        ->excludes("--resolution")
+        ->excludes("--rate");
     keys.add("--rate-factor", "quality.rate_factor",
              "With --rate: N times as many samples within a voxel of the surface (default 1)")
         ->type_name("N");
@@ -208,6 +216,10 @@ CLI::App* add_render_options(CLI::App& program, RenderCommand& command) {
     add_parsed(*app, "--backend", command.backend, offscreen_backend_from,
                "OpenGL through: auto (egl, then osmesa), egl, osmesa")
         ->type_name("NAME");
+    app->add_flag(
+        "--reference", command.reference,
+        "Draw in double on the processor, without OpenGL: slow, and what the GPU's pictures "
+        "are compared with (docs/raycasting.md says what it does not draw)");
     app->add_option("--repeat", command.repeat, "Draw each frame N times and report median times")
         ->check(CLI::Range(1, 10000))
         ->type_name("N");

@@ -19,7 +19,9 @@ struct RenderCommand {
     std::vector<std::string> settings;                      // --set
     std::vector<std::function<void(SceneFile&)>> overrides; // other options that stand for keys
     std::optional<int> resolution;                          // of meshes
+    std::optional<double> max_error_world;                  // chooses filter and resolution
     gl::Backend backend = gl::Backend::Auto;
+    bool reference = false; // in double, without OpenGL
     int repeat = 1;
     bool explain = false;
     std::size_t threads = 0;

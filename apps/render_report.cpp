@@ -31,16 +31,17 @@ struct BrickTotals {
 
 BrickTotals totals_of(const RenderReport& report) {
     BrickTotals total;
+    if (!report.renderer) return total;
     for (std::size_t i = 0; i < report.loaded.objects.size(); ++i) {
         const double voxel_world = report.loaded.objects[i].field->space().voxel_size_world();
-        const BrickPool& pool = report.renderer.pool(static_cast<int>(i));
+        const BrickPool& pool = report.renderer->pool(static_cast<int>(i));
         total.resident += pool.resident_count();
         total.active += pool.brick_count();
         total.loaded += pool.loaded_count();
         total.storage_error = std::max(total.storage_error, pool.storage_error());
         total.storage_error_voxels =
             std::max(total.storage_error_voxels, pool.storage_error() / voxel_world);
-        const auto& coarse = report.renderer.coarse_bricks(static_cast<int>(i));
+        const auto& coarse = report.renderer->coarse_bricks(static_cast<int>(i));
         if (!coarse) continue;
         total.coarse_count += coarse->coarse_count();
         total.coarse_of += coarse->block_count();
@@ -110,16 +111,17 @@ void print_json(const RenderReport& report) {
                   {"of", bricks.coarse_of},
                   {"levels", bricks.coarse_levels},               // bricks of 8, 4, 2, 1 cells
                   {"greatest_residual", bricks.coarse_residual}}; // world units
-    const gl::DriverInfo& driver = report.driver;
+    Json gl;                                                      // null of the reference
+    if (const gl::DriverInfo* driver = report.driver)
+        gl = {{"backend", driver->backend},
+              {"vendor", driver->vendor},
+              {"renderer", driver->renderer},
+              {"version", driver->version}};
     const RenderSeconds& seconds = report.seconds;
     print_json(Json{
         {"input", report.command.input()},
         {"output", report.command.output.string()},
-        {"gl",
-         {{"backend", driver.backend},
-          {"vendor", driver.vendor},
-          {"renderer", driver.renderer},
-          {"version", driver.version}}},
+        {"gl", gl},
         {"size", {report.scene.output.width, report.scene.output.height}},
         {"views", report.scene.camera.is_stereo ? 2 : 1},
         {"frames", report.frame_count},
@@ -193,14 +195,18 @@ void print(const RenderReport& report) {
     const RenderSeconds& seconds = report.seconds;
     const OutputSpec& output = report.scene.output;
     std::vector<std::string> drawn;
-    if (!report.loaded.objects.empty())
+    if (!report.loaded.objects.empty() && report.renderer)
         drawn.push_back(fmt::format("{} bricks", totals_of(report).active));
     if (report.loaded.primitives)
         drawn.push_back(fmt::format("{} primitives", report.loaded.primitives->count()));
-    fmt::print("{}: {}{}{} x {} pixels by {} ({}), {}\n", report.command.output.string(),
+    if (!report.renderer) drawn.push_back(fmt::format("{} fields", report.loaded.objects.size()));
+    fmt::print("{}: {}{}{} x {} pixels by {}, {}\n", report.command.output.string(),
                output.frames ? fmt::format("{} frames of ", report.frame_count) : "",
                report.scene.camera.is_stereo ? "two views of " : "", output.width, output.height,
-               report.driver.renderer, report.driver.backend, fmt::join(drawn, ", "));
+               report.driver
+                   ? fmt::format("{} ({})", report.driver->renderer, report.driver->backend)
+                   : "the double reference",
+               fmt::join(drawn, ", "));
     fmt::print("{:.2f} s: field {:.2f}, context {:.2f}, load {:.2f}, draw {:.2f}, write {:.2f}\n",
                seconds.total, seconds.field, seconds.context, seconds.load, seconds.draw,
                seconds.write);

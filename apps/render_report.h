@@ -19,8 +19,8 @@ struct RenderSeconds {
 struct RenderReport {
     const RenderCommand& command;
     const SceneFile& scene;
-    const gl::DriverInfo& driver;
-    const Renderer& renderer;
+    const gl::DriverInfo* driver; // none of the reference
+    const Renderer* renderer;
     std::optional<FetchChoice> fetch; // if there are fields
     const Scene& loaded;              // its objects are those of the renderer
     int frame_count = 1;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "apps/verbs.h"
 
+#include "apps/accuracy/promise.h"
 #include "apps/console.h"
 #include "apps/output_words.h"
 #include "apps/picture.h"
@@ -8,6 +9,7 @@
 #include "apps/render_report.h"
 #include "apps/scene_objects.h"
 #include "apps/sequence.h"
+#include "raycaster/reference_renderer.h"
 #include "volume/errors.h"
 
 #include <CLI/CLI.hpp>
@@ -32,6 +34,10 @@ void check_command(const RenderCommand& command, const SceneFile& scene) {
     if (!output.has_beauty && (is_png(command.output) || !output.layers))
         throw UsageError(
             fmt::format("--no-beauty: {}: an .exr with --aov is left, nothing else", name));
+    if (command.reference && command.explain)
+        throw UsageError("--explain: --reference draws without passes");
+    if (command.reference && command.backend != gl::Backend::Auto)
+        throw UsageError("--backend: --reference draws without OpenGL");
     if (scene.storage.over_budget == OverBudget::Coarsen &&
         kernel_of(scene.filter) != Kernel::BSpline)
         throw UsageError(fmt::format("--over-budget coarsen: only cubic B-splines can be coarsened "
@@ -40,10 +46,14 @@ void check_command(const RenderCommand& command, const SceneFile& scene) {
 }
 
 /// Of several objects each has its own, which end in its number.
+///
+/// driver  none of the reference
 ExrImage exr_attributes(const RenderCommand& command, const Scene& scene,
-                        const gl::DriverInfo& driver) {
+                        const gl::DriverInfo* driver) {
     ExrImage exr;
-    exr.strings = {{"glRenderer", driver.renderer}, {"source", command.input()}};
+    exr.strings = {{"source", command.input()},
+                   driver ? std::pair{"glRenderer", driver->renderer}
+                          : std::pair{"caster", std::string("double reference")}};
     for (std::size_t i = 0; i < scene.objects.size(); ++i) {
         const FieldObject& object = scene.objects[i];
         const std::string number = scene.objects.size() == 1 ? "" : std::to_string(i + 1);
@@ -86,12 +96,15 @@ public:
         const SceneFile first = scene_at(scene_, 0, frames_.count());
         objects_.open(first);
         seconds_.field = step_.lap();
-        context_ = gl::make_context({.backend = command_.backend});
-        renderer_.emplace(*context_, first_folder_of(shader_folders));
+        if (!command_.reference) {
+            context_ = gl::make_context({.backend = command_.backend});
+            renderer_.emplace(*context_, first_folder_of(shader_folders));
+        }
         seconds_.context = step_.lap();
 
         load(first);
-        framed_world_ = renderer_->surface_points_world();
+        framed_world_ =
+            renderer_ ? renderer_->surface_points_world() : reference_.shown().points_world();
         FrameReport frame;
         for (int i = 0; i < frames_.count(); ++i) {
             const SceneFile now = scene_at(scene_, i, frames_.count());
@@ -111,6 +124,10 @@ private:
     }
 
     void load(const SceneFile& now) {
+        if (!renderer_) {
+            load_reference(composed(now), now);
+            return;
+        }
         // Of the frame before: a series whose colours mean another thing in each would flicker.
         LookNumbers numbers = renderer_->look_numbers();
         loaded_ = composed(now);
@@ -139,9 +156,22 @@ private:
                         loaded_.objects[i].field->space().voxel_size_world()));
     }
 
+    void load_reference(Scene scene, const SceneFile& now) {
+        loaded_ = std::move(scene);
+        loaded_.look = look_of(now, is_opaque(now, command_.output));
+        seconds_.field += step_.lap();
+        reference_.load(loaded_, progress_);
+        seconds_.load += step_.lap();
+    }
+
     /// What a frame after the first needs.
     void change_to(const SceneFile& now) {
         const Change change = change_of(scene_);
+        if (!renderer_ && change > Change::Nothing) {
+            objects_.open(now);
+            load(now);
+            return;
+        }
         if (change == Change::Load) {
             objects_.open(now);
             load(now);
@@ -165,9 +195,10 @@ private:
         const std::vector<PictureView> views = views_of(now, camera);
         PictureFile file(scene_.output.frames ? frame_path(command_.output, frames_.first + i)
                                               : command_.output,
-                         now, views, exr_attributes(command_, loaded_, context_->driver()));
+                         now, views, exr_attributes(command_, loaded_, driver()));
         const FrameReport frame = draw_picture(
-            *renderer_, views, request_of(now, command_),
+            renderer_ ? source_of(*renderer_) : reference_source(i), views,
+            request_of(now, command_),
             [&](const std::vector<FrameImages>& rows) {
                 seconds_.draw += step_.lap();
                 file.write(rows);
@@ -181,6 +212,23 @@ private:
         return frame;
     }
 
+    /// Of frame `i`.
+    PictureSource reference_source(int i) {
+        const Progress progress = [this, i](std::string_view stage, double fraction) {
+            progress_(stage, (i + fraction) / frames_.count());
+        };
+        // 4096: parts of what memory has room for, as large as a GL's.
+        return {4096, 0,
+                [this, progress](const Camera& camera, int width, int height,
+                                 const ImageSet& wanted, const PicturePart& part) {
+                    return reference_.draw(camera, width, height, wanted, part, progress);
+                },
+                [this](FrameImage image) { return reference_.read(image); }};
+    }
+
+    /// None of the reference.
+    const gl::DriverInfo* driver() const { return context_ ? &context_->driver() : nullptr; }
+
     void warn(const std::string& warning) {
         if (std::ranges::find(warnings_, warning) != warnings_.end()) return; // of another frame
         console_.warn(fmt::format("{}: {}", command_.input(), warning));
@@ -188,7 +236,7 @@ private:
     }
 
     void warn_if_nothing_is_seen() {
-        if (renderer_->has_surface()) return;
+        if (renderer_ ? renderer_->has_surface() : reference_.shown().is_any()) return;
         if (is_composed(loaded_)) {
             warn("nothing is left of the objects together");
             return;
@@ -202,8 +250,8 @@ private:
     void report(const FrameReport& frame) const {
         const RenderReport report{.command = command_,
                                   .scene = scene_,
-                                  .driver = context_->driver(),
-                                  .renderer = *renderer_,
+                                  .driver = driver(),
+                                  .renderer = renderer_ ? &*renderer_ : nullptr,
                                   .fetch = fetch_,
                                   .loaded = loaded_,
                                   .frame_count = frames_.count(),
@@ -230,20 +278,37 @@ private:
     RenderSeconds seconds_;
     Stopwatch step_;
     std::unique_ptr<gl::Context> context_;
-    std::optional<Renderer> renderer_;
+    std::optional<Renderer> renderer_; // or else
+    ReferenceRenderer reference_;
     std::optional<FetchChoice> fetch_;
     SceneObjects objects_;
     Scene loaded_;
     std::vector<Vec3d> framed_world_;
 };
 
+/// The cheapest setting that keeps the error which the command allows; says which.
+void choose(RenderCommand& command, const std::vector<std::filesystem::path>& data_folders,
+            Console& console) {
+    const Promise promise = promise_for(scene_of(command), *command.max_error_world,
+                                        read_front(data_folders), console.progress());
+    command.overrides.push_back([promise](SceneFile& scene) { apply(promise, scene); });
+    console.note(
+        fmt::format("--max-error {}: filter {}{}, which promises {:.2g}", *command.max_error_world,
+                    filter_name(promise.filter),
+                    promise.resolution ? fmt::format(" at {} voxels", *promise.resolution) : "",
+                    promise.error_world));
+}
+
 } // namespace
 
-Verb render_verb(CLI::App& program, std::vector<std::filesystem::path> shader_folders) {
+Verb render_verb(CLI::App& program, std::vector<std::filesystem::path> shader_folders,
+                 std::vector<std::filesystem::path> data_folders) {
     const auto command = std::make_shared<RenderCommand>();
     CLI::App* app = add_render_options(program, *command);
-    return {app, [command, folders = std::move(shader_folders)](Console& console) {
-                Rendering(*command, console).run(folders);
+    return {app, [command, shader_folders = std::move(shader_folders),
+                  data_folders = std::move(data_folders)](Console& console) {
+                if (command->max_error_world) choose(*command, data_folders, console);
+                Rendering(*command, console).run(shader_folders);
             }};
 }
 

@@ -338,6 +338,8 @@ SceneTable quality_table() {
                 "missed"),
          integer("rate_factor", quality(&Quality::rate_factor), {1, 64},
                  "With `rate`: so many times as many within a voxel of the surface"),
+         integer("refine_steps", quality(&Quality::refine_steps), {0, 12},
+                 "With `rate`: looks for the root between two samples, at most"),
          choice("traversal", quality(&Quality::traversal),
                 names_by(traversal_from_name, {"lists", "drawn", "bounds", "walk"}),
                 "How rays find what to search"),

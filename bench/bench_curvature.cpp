@@ -1,5 +1,6 @@
 // What curvatures err, beside OpenVDB's stencil and teem's gage, and what passes of picture space
-// take as the field grows. SPDX-License-Identifier: MPL-2.0
+// take as the field grows.
+// SPDX-License-Identifier: MPL-2.0
 #include "filtering/curvature.h"
 #include "filtering/filter.h"
 #include "peers/child.h"

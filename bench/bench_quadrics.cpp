@@ -1,5 +1,6 @@
 // Spheres, sticks and other primitives: seconds a frame, and pixels that differ from a double ray
-// caster. SPDX-License-Identifier: MPL-2.0
+// caster.
+// SPDX-License-Identifier: MPL-2.0
 #include "peers/peer_frame.h"
 #include "peers/spheres_peer.h"
 #include "quadrics/quadrics_bench.h"

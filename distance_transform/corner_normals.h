@@ -1,5 +1,6 @@
 // Normals at the corners of triangles, by which a mesh is shaded as the smooth surface it stands
-// for. SPDX-License-Identifier: MPL-2.0
+// for.
+// SPDX-License-Identifier: MPL-2.0
 #pragma once
 
 #include "distance_transform/mesh_topology.h"

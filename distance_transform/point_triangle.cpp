@@ -17,23 +17,29 @@ ClosestPoint closest_point(const Vec3d& p, const std::array<Vec3d, 3>& corners) 
                                         corners[0] - corners[2]};
     std::array<double, 3> squared_lengths;
     ClosestPoint best{};
+    Vec3d from_edge; // to p from the best one; exact far from the origin too, where best.p is not
     int best_edge = 0;
     for (int k = 0; k < 3; ++k) {
         const Vec3d to_p = p - corners[k];
         squared_lengths[k] = edges[k].squaredNorm();
         const double along = to_p.dot(edges[k]);
         ClosestPoint on_edge;
+        Vec3d offset = to_p;
         if (along <= 0) {
-            on_edge = {corners[k], to_p.squaredNorm(), vertex_features[k]};
+            on_edge = {corners[k], 0, vertex_features[k]};
         } else if (along >= squared_lengths[k]) {
             const int end = k == 2 ? 0 : k + 1;
-            on_edge = {corners[end], (p - corners[end]).squaredNorm(), vertex_features[end]};
+            on_edge = {corners[end], 0, vertex_features[end]};
+            offset = p - corners[end];
         } else {
-            const Vec3d foot = corners[k] + edges[k] * (along / squared_lengths[k]);
-            on_edge = {foot, (p - foot).squaredNorm(), edge_features[k]};
+            const Vec3d to_foot = edges[k] * (along / squared_lengths[k]);
+            on_edge = {corners[k] + to_foot, 0, edge_features[k]};
+            offset -= to_foot;
         }
+        on_edge.squared_distance = offset.squaredNorm();
         if (k > 0 && on_edge.squared_distance >= best.squared_distance) continue;
         best = on_edge;
+        from_edge = offset;
         best_edge = k;
     }
     // The point of the boundary closest to a point above the face's inside lies within an edge:
@@ -49,7 +55,6 @@ ClosestPoint closest_point(const Vec3d& p, const std::array<Vec3d, 3>& corners) 
     const double squared_area = normal.squaredNorm();
     const double least = sliver_ratio * squared_lengths[longest];
     if (squared_area <= least * least) return best;
-    const Vec3d from_edge = p - best.p;
     if (normal.cross(edges[best_edge]).dot(from_edge) <= 0) return best;
 
     // Height measured from the nearest edge point, not from a far corner, so that the rounding of

@@ -1,5 +1,6 @@
 // docs_buffers MOLECULE PICTURE: the images of a frame as in figure 7.5 of the thesis, on one
-// sheet. SPDX-License-Identifier: MPL-2.0
+// sheet.
+// SPDX-License-Identifier: MPL-2.0
 #include "gl/context.h"
 #include "quadrics/molecule_styles.h"
 #include "raycaster/image_files.h"

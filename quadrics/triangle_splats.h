@@ -1,5 +1,6 @@
 // What a picture takes of triangles: what the GL draws of each, and the numbers by which rays meet
-// it. SPDX-License-Identifier: MPL-2.0
+// it.
+// SPDX-License-Identifier: MPL-2.0
 #pragma once
 
 #include "quadrics/splats.h"

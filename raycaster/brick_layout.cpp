@@ -192,32 +192,49 @@ std::uint64_t BrickLayout::bricks_of(std::uint64_t blocks) const {
     return bricks;
 }
 
-Codec::Codec(SampleFormat format, float greatest) : format_(format), greatest_(greatest) {
-    if (format == SampleFormat::Float32 || greatest == 0) return;
+namespace {
+
+/// The scale's exponent.
+int scale_exponent(SampleFormat format, float greatest) {
+    const int exponent = std::ilogb(greatest);
+    // Shaders square values and divide by such squares: within 2^±40 these stay clear of the ends
+    // of the floats, and so do values a million times smaller. Ordinary fields are stored as they
+    // are.
+    if (format == SampleFormat::Float32)
+        return exponent > 40 ? exponent - 40 : std::min(exponent + 40, 0);
     // Halves are normal between 2^-14 and 2^15, codes of 16 bits reach 32767 steps above zero.
-    scale_ = std::exp2(std::ceil(std::log2(greatest)) - 15);
-    if (greatest > 32767 * scale_) scale_ *= 2;
+    const int above = greatest > std::ldexp(1.0F, exponent) ? exponent + 1 : exponent;
+    const int enough = greatest > std::ldexp(32767.0F, above - 15) ? above - 14 : above - 15;
+    return std::max(enough, -126); // both the scale and its inverse are normal
 }
 
-std::uint16_t Codec::encode(float value) const {
-    const float scaled = value / scale_;
+} // namespace
+
+Codec::Codec(SampleFormat format, float greatest) : format_(format), greatest_(greatest) {
+    if (greatest == 0) return;
+    const int exponent = scale_exponent(format, greatest);
+    world_from_scaled_ = std::ldexp(1.0F, exponent);
+    scaled_from_world_ = std::ldexp(1.0F, -exponent);
+}
+
+std::uint16_t Codec::encode(float scaled) const {
     if (format_ == SampleFormat::Float16) return half_from(scaled);
     return static_cast<std::uint16_t>(std::lrint(scaled) + std::lrint(zero_code));
 }
 
 float Codec::decode(std::uint16_t code) const {
-    if (format_ == SampleFormat::Float16) return float_from(code) * scale_;
-    return (static_cast<float>(code) - zero_code) * scale_;
+    if (format_ == SampleFormat::Float16) return float_from(code);
+    return static_cast<float>(code) - zero_code;
 }
 
-float Codec::world_from_stored() const {
+float Codec::stored_from_scaled() const {
     // A texel of GL_R16 reads as code / 65535.
-    return format_ == SampleFormat::Norm16 ? 65535 * scale_ : scale_;
+    return format_ == SampleFormat::Norm16 ? 1.0F / 65535 : 1;
 }
 
 float Codec::greatest_stored() const {
     // Texels of GL_R16 lie in [0, 1], and what stands for zero is taken off last.
-    return format_ == SampleFormat::Norm16 ? 1 : greatest_ / world_from_stored();
+    return format_ == SampleFormat::Norm16 ? 1 : scaled(greatest_);
 }
 
 float Codec::error() const {
@@ -227,7 +244,7 @@ float Codec::error() const {
     case SampleFormat::Float16:
         return greatest_ * 0x1p-11F;
     case SampleFormat::Norm16:
-        return scale_ / 2;
+        return world_from_scaled_ / 2;
     }
     throw std::logic_error("unknown sample format");
 }

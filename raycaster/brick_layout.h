@@ -108,25 +108,30 @@ struct BrickLayout {
     std::int64_t address_in_brick(const Index3& block_in_page) const;
 };
 
-/// Floats to stored codes and back.
+/// Floats to what is stored and back. The scale between is a power of two, which rounds nothing.
 class Codec {
 public:
-    /// For values up to `greatest`.
+    /// For values up to `greatest` [world].
     Codec(SampleFormat format, float greatest);
 
-    std::uint16_t encode(float value) const;
+    float scaled(float value_world) const { return value_world * scaled_from_world_; }
+    /// To 16 bits and back [scaled].
+    std::uint16_t encode(float scaled) const;
     float decode(std::uint16_t code) const;
+    /// What the shader reads of a scaled number.
+    float stored_from_scaled() const;
     /// World units of what the shader reads.
-    float world_from_stored() const;
+    float world_from_stored() const { return world_from_scaled_ / stored_from_scaled(); }
     /// Greatest |sum| on the way to a value, in stored units: what rounding is proportional to.
     float greatest_stored() const;
-    /// Greatest error of a value.
+    /// Greatest error of a value [world].
     float error() const;
 
 private:
     SampleFormat format_;
     float greatest_;
-    float scale_ = 1; // a power of two
+    float world_from_scaled_ = 1;
+    float scaled_from_world_ = 1;
 };
 
 /// Samples along an edge of a page, those below and above its cells included.

@@ -45,14 +45,14 @@ std::uint32_t packed_place(const Index3& block) {
 
 /// What certifies steps through the block, in stored units.
 ///
-/// greatest_stored  of the samples. "No bound" is a great number that shaders multiply by them:
-///                  finite still
-void set_certificate(BlockRecord& record, const Certificate& bounds, float stored_from_world,
-                     float greatest_stored) {
-    record.slope = bounds.slope * stored_from_world;
-    record.bend = bounds.bend < no_bend ? bounds.bend * stored_from_world
-                                        : no_bend / std::max(1.0F, greatest_stored);
-    record.near = bounds.near * stored_from_world;
+/// bounds  of scaled samples; "no bound" is a great number that shaders multiply by stored ones:
+///         finite still
+void set_certificate(BlockRecord& record, const Certificate& bounds, const Codec& codec) {
+    const float stored_from_scaled = codec.stored_from_scaled();
+    record.slope = bounds.slope * stored_from_scaled;
+    record.bend = bounds.bend < no_bend ? bounds.bend * stored_from_scaled
+                                        : no_bend / std::max(1.0F, codec.greatest_stored());
+    record.near = bounds.near * stored_from_scaled;
     record.parts_lo = static_cast<std::uint32_t>(bounds.parts);
     record.parts_hi = static_cast<std::uint32_t>(bounds.parts >> 32);
 }
@@ -196,7 +196,7 @@ void BrickPool::read_page(const Index3& page, Workspace& work) const {
     tbb::this_task_arena::isolate([&] {
         control_->copy_box({first, (first.array() + page_samples).matrix()}, 0, work.values);
     });
-    for (float& value : work.values) value -= iso_;
+    for (float& value : work.values) value = codec_.scaled(value - iso_);
     if (options_.format == SampleFormat::Float32) return;
     for (std::size_t k = 0; k < samples_per_page; ++k) {
         work.codes[k] = codec_.encode(work.values[k]);
@@ -272,7 +272,6 @@ BrickPool::BrickPool(const CoarseBricks& coarse, const BlockRanges& ranges,
     slot_count_ = resident_count_ = brick_count();
     loaded_count_ = brick_count();
     const int texel_bytes = gl::byte_count(texel_format(options));
-    const float stored_from_world = 1 / codec_.world_from_stored();
     samples_ = gl::Buffer::writable(layout.texels * texel_bytes, "brick samples");
     samples_.write(0, samples_.byte_count(), [&](std::span<std::byte> memory) {
         tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
@@ -283,20 +282,20 @@ BrickPool::BrickPool(const CoarseBricks& coarse, const BlockRanges& ranges,
             if (options.format == SampleFormat::Float32) {
                 std::vector<float> values;
                 for (double& sample : samples) {
-                    values.push_back(static_cast<float>(sample) - iso);
+                    values.push_back(codec_.scaled(static_cast<float>(sample) - iso));
                     sample = values.back();
                 }
                 layout.store(values.data(), level, out);
             } else {
                 std::vector<std::uint16_t> codes;
                 for (double& sample : samples) {
-                    codes.push_back(codec_.encode(static_cast<float>(sample) - iso));
+                    codes.push_back(codec_.encode(codec_.scaled(static_cast<float>(sample) - iso)));
                     sample = codec_.decode(codes.back());
                 }
                 layout.store(codes.data(), level, out);
             }
             set_certificate(records[i], certify_coarse_block(std::move(samples), block, level),
-                            stored_from_world, codec_.greatest_stored());
+                            codec_);
         });
     });
     records_ = gl::Buffer(std::as_bytes(std::span(records)), "block records");
@@ -317,7 +316,6 @@ void BrickPool::store(std::span<const int> bricks, const std::function<std::byte
         if (i == 0 || page_of(i) != page_of(i - 1)) starts.push_back(i);
     }
     starts.push_back(bricks.size());
-    const float stored_from_world = 1 / codec_.world_from_stored();
     tbb::enumerable_thread_specific<Workspace> workspaces;
     tbb::parallel_for(std::size_t{0}, starts.size() - 1, [&](std::size_t task) {
         Workspace& work = workspaces.local();
@@ -341,7 +339,7 @@ void BrickPool::store(std::span<const int> bricks, const std::function<std::byte
                               page_samples, page_samples * page_samples, kernel_);
             auto record = std::bit_cast<BlockRecord>(block_records_[block]);
             const Brick& brick = bricks_[static_cast<std::size_t>(brick_of_block_[block])];
-            set_certificate(record, bounds, stored_from_world, codec_.greatest_stored());
+            set_certificate(record, bounds, codec_);
             record.scale = 1;
             record.address =
                 static_cast<std::int32_t>(first_texel(brick) + layout_.address_in_brick(at));

@@ -345,6 +345,7 @@ RayCoefficients set_search_uniforms(const gl::Program& program, const FrameConte
         program.set("u_near",
                     static_cast<float>(quality.near_voxels * field.space().voxel_size_world()) *
                         stored_from_world);
+        program.set("u_refine_steps", quality.refine_steps);
     } else {
         set_accuracy_uniforms(program, frame);
     }

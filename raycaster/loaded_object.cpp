@@ -29,22 +29,6 @@ BlockRanges with_samples_of(const FieldSource& control, BlockRanges ranges,
 
 } // namespace
 
-std::array<Vec3d, 8> corners_of(const IndexBox& box, const GridSpace& space) {
-    std::array<Vec3d, 8> corners;
-    for (int i = 0; i < 8; ++i)
-        corners[static_cast<std::size_t>(i)] = space.to_world(
-            Vec3d(i & 1 ? box.hi.x() - 1 : box.lo.x(), i & 2 ? box.hi.y() - 1 : box.lo.y(),
-                  i & 4 ? box.hi.z() - 1 : box.lo.z()));
-    return corners;
-}
-
-Eigen::AlignedBox3d world_box(const IndexBox& box, const GridSpace& space) {
-    Eigen::AlignedBox3d around;
-    if (!box.is_empty())
-        for (const Vec3d& corner : corners_of(box, space)) around.extend(corner);
-    return around;
-}
-
 bool LoadedObject::takes(const FieldObject& object, const StorageOptions& storage,
                          Traversal traversal, double curvature_scale_voxels) {
     const auto with_no_colours = [](FieldObject plain) {

@@ -4,13 +4,9 @@
 
 #include "filtering/active_set.h"
 #include "raycaster/field_on_gpu.h"
+#include "raycaster/shown_surfaces.h"
 
 namespace isocast {
-
-/// Corners of the box of points lo ... hi - 1.
-std::array<Vec3d, 8> corners_of(const IndexBox& box, const GridSpace& space);
-/// The box along the world's axes around them; empty if `box` is.
-Eigen::AlignedBox3d world_box(const IndexBox& box, const GridSpace& space);
 
 /// Its control samples, its active blocks and their bricks.
 class LoadedObject {

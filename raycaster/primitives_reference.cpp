@@ -46,6 +46,7 @@ struct Picture {
 struct RayHit {
     double t = nowhere;
     Vec3d normal = Vec3d::Zero();
+    Vec3d volumes = Vec3d::Zero(); // of triangles: shares of the corners
 };
 
 RayHit hit_of(const Sphere& sphere, const Ray& ray, double t_near) {
@@ -58,7 +59,7 @@ RayHit hit_of(const Sphere& sphere, const Ray& ray, double t_near) {
     const double half = std::sqrt(h / a);
     const double t = t0 - half >= t_near ? t0 - half : t0 + half;
     if (t < t_near) return {};
-    return {t, (t * v - o) / sphere.radius_world};
+    return {t, (t * v - o) / sphere.radius_world, Vec3d::Zero()};
 }
 
 /// The cone that holds the sphere, half as wide again, by its slopes along x and y.
@@ -101,7 +102,7 @@ RayHit hit_of(const Triangle& triangle, const Ray& ray, double t_near) {
     if (!is_inside || slant == 0) return {};
     const double t = normal.dot(from_start[0]) / slant;
     if (!(t > 0 && t >= t_near)) return {};
-    return {t, normal.stableNormalized()};
+    return {t, normal.stableNormalized(), volumes};
 }
 
 Window window_of(const Triangle& triangle, const Picture& picture) {
@@ -127,7 +128,7 @@ Window window_of(const Primitive& primitive, const Picture& picture) {
 template<class Primitive>
 RayHit hit_of(const Primitive& primitive, const Ray& ray, double t_near) {
     const auto hit = intersect(primitive, ray.origin_world, ray.direction_world, t_near);
-    return hit ? RayHit{hit->t, hit->normal} : RayHit{};
+    return hit ? RayHit{hit->t, hit->normal, Vec3d::Zero()} : RayHit{};
 }
 
 /// What planes leave of a ray.
@@ -173,45 +174,84 @@ OrderedHit cut_hit_of(const Primitive& primitive, const Ray& ray, const Kept& ke
     return hit.t <= kept.t_far ? hit : OrderedHit{};
 }
 
+template<class Primitive>
+Vec3d colour_of(const Primitive& primitive, const Vec3d&) {
+    return primitive.colour;
+}
+Vec3d colour_of(const Cylinder& stick, const Vec3d& p_world) {
+    const Vec3d axis = stick.b_world - stick.a_world;
+    const bool is_at_b = (p_world - 0.5 * (stick.a_world + stick.b_world)).dot(axis) > 0;
+    return is_at_b ? stick.colour_b.value_or(stick.colour) : stick.colour;
+}
+
+/// Of a mesh with normals at corners.
+/// twin  shaders/quadrics/triangle.glsl: smooth_normal()
+Vec3d smooth_normal(const TriangleMesh& mesh, std::size_t triangle, const RayHit& hit,
+                    const Vec3d& direction) {
+    const auto corners = corner_normals_of(mesh, triangle);
+    Vec3d normal = Vec3d::Zero();
+    for (std::size_t k = 0; k < 3; ++k)
+        normal += std::abs(hit.volumes[static_cast<Eigen::Index>(k)]) * corners[k].cast<double>();
+    normal.normalize();
+    const double away = normal.dot(direction);
+    const bool is_seen_from_outside = hit.normal.dot(direction) <= 0;
+    if (is_seen_from_outside == (away > 0))
+        normal -= 2 * away / direction.squaredNorm() * direction;
+    return normal;
+}
+
 } // namespace
 
 std::vector<SeenPrimitive> cast_primitives(const Primitives& with_dots, const Camera& camera,
-                                           int width, int height, const Cut& cut) {
+                                           int width, int height, const Cut& cut,
+                                           const std::optional<PicturePart>& asked_part) {
+    const PicturePart part = asked_part.value_or(PicturePart{.width = width, .height = height});
     const std::vector<CutPlane> planes = planes_of(cut, camera);
     const Picture picture{camera, width, height, pixels_per_unit(camera, height),
                           picture_space(camera)};
     const Primitives primitives =
         with_dots_as_spheres(with_dots, picture.space, picture.pixels_per_unit);
-    std::vector<SeenPrimitive> seen(static_cast<std::size_t>(width) *
-                                    static_cast<std::size_t>(height));
+    std::vector<SeenPrimitive> seen(static_cast<std::size_t>(part.width) *
+                                    static_cast<std::size_t>(part.height));
     std::vector<double> orders(seen.size(), nowhere);
     constexpr int rows = 16; // of a strip, that one thread fills
-    tbb::parallel_for(0, (height + rows - 1) / rows, [&](int strip) {
-        const int first_row = strip * rows;
-        const int last_row = std::min(first_row + rows, height);
+    tbb::parallel_for(0, (part.height + rows - 1) / rows, [&](int strip) {
+        const int first_row = part.y + strip * rows;
+        const int last_row = std::min(first_row + rows, part.y + part.height);
         int number = 0;
-        const auto cast_one = [&](const auto& one) {
+        const auto cast_one = [&](const auto& one, auto shade) {
             const Window window = window_of(one, picture);
             for (int y = std::max(window.y_lo, first_row); y < std::min(window.y_hi, last_row); ++y)
-                for (int x = window.x_lo; x < window.x_hi; ++x) {
-                    const Ray ray = camera_ray(camera, width, height, x + 0.5, y + 0.5);
+                for (int x = std::max(window.x_lo, part.x);
+                     x < std::min(window.x_hi, part.x + part.width); ++x) {
+                    const Ray ray = camera_ray(camera, width, height, x + 0.5 + part.shift.x(),
+                                               y + 0.5 + part.shift.y());
                     const OrderedHit hit = cut_hit_of(one, ray, kept_by(planes, ray), cut.look);
-                    const std::size_t pixel =
-                        static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                        static_cast<std::size_t>(x);
+                    const std::size_t pixel = static_cast<std::size_t>(y - part.y) *
+                                                  static_cast<std::size_t>(part.width) +
+                                              static_cast<std::size_t>(x - part.x);
                     if (!(hit.order < orders[pixel])) continue;
                     orders[pixel] = hit.order;
-                    seen[pixel] = {number, hit.t, hit.normal};
+                    seen[pixel] = {number, hit.t, hit.normal, hit.normal, Vec3d::Zero()};
+                    shade(hit, ray, seen[pixel]);
                 }
         };
         for_each_kind(primitives, [&](const auto& some) {
             for (const auto& one : some) {
-                cast_one(one);
+                cast_one(one, [&](const RayHit& hit, const Ray& ray, SeenPrimitive& pixel) {
+                    pixel.colour = colour_of(one, ray.origin_world + hit.t * ray.direction_world);
+                });
                 ++number;
             }
         });
         for (const TriangleMesh& mesh : primitives.meshes) {
-            for (std::size_t i = 0; i < mesh.triangles.size(); ++i) cast_one(triangle_of(mesh, i));
+            for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+                cast_one(triangle_of(mesh, i), [&](const RayHit& hit, const Ray& ray,
+                                                   SeenPrimitive& pixel) {
+                    pixel.colour = mesh.colour;
+                    if (!mesh.normals_world.empty())
+                        pixel.shaded_normal = smooth_normal(mesh, i, hit, ray.direction_world);
+                });
             ++number;
         }
     });

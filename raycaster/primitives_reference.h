@@ -7,6 +7,7 @@
 #include "raycaster/camera.h"
 
 #include <limits>
+#include <optional>
 #include <vector>
 
 namespace isocast {
@@ -18,17 +19,20 @@ struct SeenPrimitive {
     int number = -1;
     double t = std::numeric_limits<double>::infinity();
     Vec3d normal = Vec3d::Zero();
+    Vec3d shaded_normal = Vec3d::Zero(); // of triangles that of their corners; unit length
+    Vec3d colour = Vec3d::Zero();
 };
 
-/// Of each pixel of a picture, the top row first. Each ray is tried against every primitive that
-/// its pixel is near to: of spheres in a cone half as wide again as the one that holds them, of
-/// others in the rectangle of screen_bounds() and 3 pixels around it.
+/// Of each pixel of a picture, or of a part of it, the top row first. Each ray is tried against
+/// every primitive that its pixel is near to: of spheres in a cone half as wide again as the one
+/// that holds them, of others in the rectangle of screen_bounds() and 3 pixels around it.
 ///
 /// with_dots   checked primitives
 /// cut         checked; of caps where a ray is in several solids, that of depth_inside()'s least
 /// source      spheres by their closest approach to the ray, triangles by the volumes that it spans
 ///             with their edges, others by intersect(), in double
 std::vector<SeenPrimitive> cast_primitives(const Primitives& with_dots, const Camera& camera,
-                                           int width, int height, const Cut& cut = {});
+                                           int width, int height, const Cut& cut = {},
+                                           const std::optional<PicturePart>& part = {});
 
 } // namespace isocast

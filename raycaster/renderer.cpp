@@ -30,14 +30,6 @@ bool has_primitives(const Scene& scene) {
     return scene.primitives && scene.primitives->count() > 0;
 }
 
-std::array<Vec3d, 8> corners_of(const Eigen::AlignedBox3d& box) {
-    std::array<Vec3d, 8> corners;
-    for (int i = 0; i < 8; ++i)
-        corners[static_cast<std::size_t>(i)] =
-            box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i));
-    return corners;
-}
-
 /// throws  InputError
 void check_look(const Look& look) {
     if (look.lights.size() > max_light_count)
@@ -170,41 +162,22 @@ void Renderer::check_residence() {
     context_.throw_pending_error();
 }
 
-Eigen::AlignedBox3d Renderer::composed_box(const Eigen::AlignedBox3d& of_primitives) const {
-    std::vector<Eigen::AlignedBox3d> boxes;
-    for (const auto& object : objects_) {
-        boxes.push_back(world_box(object->surface_box(), object->object().field->space()));
-    }
-    if (boxes.empty()) return of_primitives;
-    if (!is_composed(scene_)) return boxes.front().merged(of_primitives);
-    using Box = Eigen::AlignedBox3d;
-    return evaluate(
-               tree_of(scene_), std::span<const Box>(boxes),
-               [](const Box& a, const Box& b) { return a.merged(b); },
-               [](const Box& a, const Box& b) { return a.intersection(b); },
-               [](const Box& a, const Box&) { return a; })
-        .merged(of_primitives);
+ShownSurfaces Renderer::shown() const {
+    ShownSurfaces shown{scene_, {}, primitives_box_};
+    for (const auto& object : objects_) shown.boxes.push_back(object->surface_box());
+    return shown;
 }
 
 bool Renderer::has_surface() const {
-    return has_one_field() ? !at(0).surface_box().is_empty()
-                           : !composed_box(primitives_box_).isEmpty();
+    return shown().is_any();
 }
 
 std::array<Vec3d, 8> Renderer::surface_box_world() const {
-    if (!has_surface())
-        return corners_of(at(0).object().field->extent(), at(0).object().field->space());
-    if (has_one_field()) return corners_of(at(0).surface_box(), at(0).object().field->space());
-    return corners_of(composed_box(primitives_box_));
+    return shown().box_world();
 }
 
 std::vector<Vec3d> Renderer::surface_points_world() const {
-    if (objects_.empty()) return extreme_points(*scene_.primitives);
-    // Of dots where they are, however large the last picture had them.
-    const bool has_dots = has_primitives(scene_) && !scene_.primitives->dots.empty();
-    const std::array<Vec3d, 8> box =
-        has_dots ? corners_of(composed_box(box_of(*scene_.primitives))) : surface_box_world();
-    return {box.begin(), box.end()};
+    return shown().points_world();
 }
 
 SeenScene Renderer::seen_by(const Camera& camera, int width, int height, const PicturePart& part,

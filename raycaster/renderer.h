@@ -7,6 +7,7 @@
 #include "raycaster/frame.h"
 #include "raycaster/image.h"
 #include "raycaster/loaded_object.h"
+#include "raycaster/shown_surfaces.h"
 
 namespace isocast {
 
@@ -65,14 +66,9 @@ public:
     /// Of another load, to be used instead of this one's.
     void set_look_numbers(LookNumbers numbers);
 
-    /// Corners of the box of the isosurface [world]; of the field's extent where there is none.
-    /// Found when it is first asked for. Of several objects the least box along the world's axes
-    /// that the tree of their boxes' gives.
+    /// As ShownSurfaces has them; found when one is first asked for.
     std::array<Vec3d, 8> surface_box_world() const;
-    /// Points whose convex hull is about that of all that is drawn: the corners of that box, or of
-    /// primitives alone their farthest points. Cameras frame these.
-    std::vector<Vec3d> surface_points_world() const;
-    /// False if the field never crosses the iso value, or the boxes of several leave nothing.
+    std::vector<Vec3d> surface_points_world() const; // cameras frame these
     bool has_surface() const;
     const BrickPool& pool(int object = 0) const { return at(object).field().pool(); }
     /// Bricks of lower resolution, if there are any: since the budget has no room for more, or, if
@@ -100,11 +96,7 @@ private:
     }
     /// throws  ResourceError if a field does not fit that must
     void check_residence();
-    /// What is drawn is one field alone.
-    bool has_one_field() const {
-        return objects_.size() == 1 && !is_composed(scene_) && primitives_box_.isEmpty();
-    }
-    Eigen::AlignedBox3d composed_box(const Eigen::AlignedBox3d& of_primitives) const;
+    ShownSurfaces shown() const;
 
     SeenScene seen_by(const Camera& camera, int width, int height, const PicturePart& part,
                       double detail_pixels);

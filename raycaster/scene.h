@@ -1,5 +1,6 @@
 // What is drawn: a field or a solid composed of several, how finely rays search it, and how it
-// looks. SPDX-License-Identifier: MPL-2.0
+// looks.
+// SPDX-License-Identifier: MPL-2.0
 #pragma once
 
 #include "quadrics/cut.h"
@@ -43,6 +44,7 @@ struct Quality {
     std::optional<double> rate;
     int rate_factor = 1;
     double near_voxels = 1;
+    int refine_steps = 12; // with `rate`: of the root between two samples, at most
     /// Of primitives, as in SplatView, for the viewer alone: lights and reflections see all.
     double detail_pixels = 0;
     SplatShading splats = SplatShading::Deferred;

@@ -15,4 +15,9 @@ namespace isocast {
 ///           Msh coordinates
 Vec3d colour_of(ColourMap map, double t);
 
+/// Of a measure: viridis where it has one sign.
+inline ColourMap default_colour_map(CurvatureMeasure measure) {
+    return measure == CurvatureMeasure::Curvedness ? ColourMap::Viridis : ColourMap::CoolWarm;
+}
+
 } // namespace isocast

@@ -67,8 +67,7 @@ Range range_of(FrameContext& frame, const CurvatureColour& colour, ColourMap map
 
 void run_curvature_colour(FrameContext& frame) {
     const CurvatureColour& colour = frame.scene.look.effects.curvature_colour;
-    const ColourMap map = colour.map.value_or(
-        colour.measure == CurvatureMeasure::Curvedness ? ColourMap::Viridis : ColourMap::CoolWarm);
+    const ColourMap map = colour.map.value_or(default_colour_map(colour.measure));
     const auto [low, high] = range_of(frame, colour, map);
     if (!colour.range)
         frame.notes.push_back(fmt::format("curvature colour: {} from {:.4g} to {:.4g}",

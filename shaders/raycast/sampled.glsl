@@ -14,6 +14,7 @@ struct Accuracy {
 uniform float u_fine_step;
 uniform int u_fine_per_coarse;
 uniform float u_near;
+uniform int u_refine_steps;
 
 Accuracy accuracy_of_frame() { return Accuracy(u_fine_step, u_fine_per_coarse, u_near); }
 
@@ -25,7 +26,7 @@ float first_look(float t) { return ceil(t / u_fine_step) * u_fine_step; }
 float refine(vec3 point, vec3 d, float side, float t_lo, float t_hi, float value_hi) {
     float value_lo = -value_hi; // not known: the first guess is the middle
     int stayed = 0;
-    for (int i = 0; i < 12 && t_hi - t_lo > 1e-5; ++i) { // 1e-5 voxel, as of certified hits
+    for (int i = 0; i < u_refine_steps && t_hi - t_lo > 1e-5; ++i) { // 1e-5 voxel, as of certified hits
         float t = (i & 3) == 3 ? 0.5 * (t_lo + t_hi)
                                : t_lo + (t_hi - t_lo) * (value_lo / (value_lo - value_hi));
         float value = side * field_value(point + t * d, side);

@@ -97,7 +97,7 @@ TEST_F(Stereo, EachEyesPictureIsWhatItsRaysMeet) {
         std::array<int, 2> shown{};
         int row = 0;
         draw_picture(
-            renderer, pair,
+            source_of(renderer), pair,
             {.width = 150, .height = 100, .others = {FrameImage::Hit}, .tile_pixels = tile},
             [&](const std::vector<FrameImages>& rows) {
                 ASSERT_EQ(rows.size(), 2);

@@ -97,7 +97,7 @@ struct Pictures : testing::Test {
     std::map<FrameImage, Image> draw(const PictureRequest& request) {
         std::map<FrameImage, Image> whole;
         const std::vector<PictureView> views{{.camera = camera, .picture_width = request.width}};
-        report = draw_picture(renderer, views, request, [&](const std::vector<FrameImages>& rows) {
+        report = draw_picture(source_of(renderer), views, request, [&](const std::vector<FrameImages>& rows) {
             for (const auto& [image, part] : rows.front()) {
                 Image& out = whole[image];
                 EXPECT_EQ(part.width, request.width);

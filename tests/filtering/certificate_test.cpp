@@ -1,5 +1,6 @@
 // Certificates: no point of a block exceeds them, and they are the hulls that their derivation
-// says. SPDX-License-Identifier: MPL-2.0
+// says.
+// SPDX-License-Identifier: MPL-2.0
 #include "../volume/random_fields.h"
 #include "filtering/certificate.h"
 

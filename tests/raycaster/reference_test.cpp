@@ -1,5 +1,6 @@
 // The reference caster against closed forms and plain sampling; and that the hard fields are as
-// hard as they say. SPDX-License-Identifier: MPL-2.0
+// hard as they say.
+// SPDX-License-Identifier: MPL-2.0
 #include "raycaster/reference.h"
 
 #include "filtering/reconstruct.h"

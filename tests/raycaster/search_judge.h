@@ -1,5 +1,6 @@
 // What the search of a ray must find, by the double reference caster, and how far float32 may be
-// off: the judge of single pixels. SPDX-License-Identifier: MPL-2.0
+// off: the judge of single pixels.
+// SPDX-License-Identifier: MPL-2.0
 #pragma once
 
 #include "filtering/reconstruct.h"

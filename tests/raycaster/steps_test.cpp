@@ -1,5 +1,6 @@
 // How often rays look at the field: counted alike whatever the blocks' order, the parts of the
-// picture or the bricks at hand. SPDX-License-Identifier: MPL-2.0
+// picture or the bricks at hand.
+// SPDX-License-Identifier: MPL-2.0
 #include "raycaster/renderer.h"
 #include "test_context.h"
 #include "volume/analytic_fields.h"

@@ -1,5 +1,6 @@
 // All ways to the blocks of a ray give one picture, and so do all ways to store samples; the order
-// of tiles does not matter. SPDX-License-Identifier: MPL-2.0
+// of tiles does not matter.
+// SPDX-License-Identifier: MPL-2.0
 #include "hard_fields.h"
 #include "raycaster/fetch_choice.h"
 #include "raycaster/passes.h"

@@ -3,6 +3,7 @@
 #include "distance_transform/gl/scan_on_gpu.h"
 #include "gl/context.h"
 #include "raycaster/passes.h"
+#include "stability/shader_probe.h"
 
 #include <gtest/gtest.h>
 
@@ -15,11 +16,13 @@ namespace {
 
 const std::filesystem::path shader_folder = std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders";
 
-/// Of the raycaster and of the distance transform.
+/// Of the raycaster, the distance transform and the stability suite.
 std::vector<gl::ProgramKey> every_program() {
     std::vector<gl::ProgramKey> keys = all_programs();
     const std::vector<gl::ProgramKey> of_scan = scan_programs();
     keys.insert(keys.end(), of_scan.begin(), of_scan.end());
+    const std::vector<gl::ProgramKey> of_probes = stability::probe_programs();
+    keys.insert(keys.end(), of_probes.begin(), of_probes.end());
     return keys;
 }
 

@@ -1,5 +1,6 @@
 // Solids composed of fields: against analytic ones, against the tree of the exact splines along
-// each ray, and against each other. SPDX-License-Identifier: MPL-2.0
+// each ray, and against each other.
+// SPDX-License-Identifier: MPL-2.0
 #include "csg_trees.h"
 #include "filtering/curvature.h"
 #include "filtering/filter.h"

@@ -1,4 +1,5 @@
-// Trees of CSG for tests. SPDX-License-Identifier: MPL-2.0
+// Trees of CSG for tests.
+// SPDX-License-Identifier: MPL-2.0
 #pragma once
 
 #include "../volume/random_fields.h"

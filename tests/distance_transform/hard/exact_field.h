@@ -1,5 +1,6 @@
 // A field, every sample of it, against the truth: distances by brute force, sides by winding
-// number. SPDX-License-Identifier: MPL-2.0
+// number.
+// SPDX-License-Identifier: MPL-2.0
 #pragma once
 
 #include "distance_transform/brute_force.h"

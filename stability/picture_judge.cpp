@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: MPL-2.0
+#include "stability/picture_judge.h"
+
+#include "filtering/reconstruct.h"
+#include "raycaster/field_on_gpu.h"
+#include "raycaster/primitives_reference.h"
+#include "stability/fields.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+namespace isocast::stability {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Calls judge(x, y) -> Worst for all pixels, on all threads.
+template<class JudgePixel>
+Worst over_pixels(const PictureSize& size, const JudgePixel& judge) {
+    std::vector<Worst> rows(static_cast<std::size_t>(size.height));
+    tbb::parallel_for(0, size.height, [&](int y) {
+        for (int x = 0; x < size.width; ++x) rows[static_cast<std::size_t>(y)].see(judge(x, y));
+    });
+    Worst worst;
+    for (const Worst& row : rows) worst.see(row);
+    return worst;
+}
+
+Ray unit_ray(const Camera& camera, const PictureSize& size, int x, int y) {
+    Ray ray = camera_ray(camera, size.width, size.height, x + 0.5, y + 0.5);
+    ray.direction_world.normalize();
+    return ray;
+}
+
+/// The truth about a subject of unit voxels, and how far float32 may be off.
+class SearchOracle {
+public:
+    SearchOracle(const Subject& subject, double storage_error)
+        : control_(control_samples(subject.samples, subject.filter)), subject_(subject),
+          // Half the guarantee, so that it sees what must be seen.
+          options_{.kernel = kernel_of(subject.filter),
+                   .step_voxels = subject.quality.guarantee_voxels / 2},
+          exact_(*control_, subject.iso, options_), storage_error_(storage_error) {
+        const IndexBox extent = control_->extent();
+        for_each_sample({extent.lo, (extent.hi.array() - 1).matrix()}, [&](const Index3& cell) {
+            std::array<float, 64> support;
+            control_->copy_box({(cell.array() - 1).matrix(), (cell.array() + 3).matrix()}, 0,
+                               support);
+            const auto [min, max] = std::ranges::minmax(support);
+            if (min > subject.iso || max < subject.iso) return;
+            magnitude_ = std::max({magnitude_, subject.iso - min, max - subject.iso});
+        });
+    }
+
+    /// Of the reference's hits, before anything is judged.
+    void see_slope(const Vec3d& p) {
+        slope_ = std::max(slope_, kernel_jet(*control_, p, options_.kernel).gradient.norm());
+    }
+    void prepare() {
+        for (const double sign : {-1.0, 1.0})
+            deep_.emplace_back(*control_, subject_.iso + sign * value_error(), options_);
+    }
+    double value_error() const {
+        const double weights = subject_.filter == Filter::CatmullRom ? 1.96 : 1;
+        return weights * (0x1p-20 * magnitude_ + storage_error_) + 3e-5 * slope_;
+    }
+    const FieldSource& control() const { return *control_; }
+    const ReferenceCaster& exact() const { return exact_; }
+
+    /// Where a unit ray is sure to be stopped at the latest: at the start of a stretch longer than
+    /// the guarantee in which the value has the other sign by more than its error.
+    std::optional<double> first_certain(const Ray& ray, bool starts_inside, double t_end) const {
+        const ReferenceCaster& deep = deep_[starts_inside ? 1 : 0];
+        const auto next = [&](double t) -> std::optional<double> {
+            const auto hit =
+                deep.hit({ray.origin_world + t * ray.direction_world, ray.direction_world});
+            return hit ? std::optional(t + *hit) : std::nullopt;
+        };
+        // 1e-9: past a root that is known to 1e-12.
+        for (auto enter = next(0); enter;) {
+            const double exit = next(*enter + 1e-9).value_or(t_end);
+            if (exit - *enter > subject_.quality.guarantee_voxels + place_error) return enter;
+            if (exit + 1e-9 >= t_end) return std::nullopt;
+            enter = next(exit + 1e-9);
+        }
+        return std::nullopt;
+    }
+
+    static constexpr double place_error = 1e-4; // of float32, in voxels
+
+private:
+    std::shared_ptr<const FieldSource> control_;
+    Subject subject_;
+    ReferenceOptions options_;
+    ReferenceCaster exact_;
+    std::vector<ReferenceCaster> deep_;
+    double storage_error_;
+    double magnitude_ = 0; // greatest |sample - iso| that a point of the surface reads
+    double slope_ = 0;
+};
+
+/// Where a ray is in the extent, for t >= 0; x > y if nowhere.
+Eigen::Vector2d clip(const Ray& ray, const IndexBox& extent) {
+    Eigen::Vector2d range(0, 1e30);
+    for (int axis = 0; axis < 3; ++axis) {
+        const double lo = extent.lo[axis] - ray.origin_world[axis];
+        const double hi = extent.hi[axis] - 1 - ray.origin_world[axis];
+        const double d = ray.direction_world[axis];
+        if (d == 0) {
+            if (lo > 0 || hi < 0) return {1, 0};
+            continue;
+        }
+        range.x() = std::max(range.x(), std::min(lo / d, hi / d));
+        range.y() = std::min(range.y(), std::max(lo / d, hi / d));
+    }
+    return range;
+}
+
+Worst judge_pixel(const SearchOracle& oracle, const Camera& camera, const PictureSize& size,
+                  const float* hit, int x, int y) {
+    Worst out;
+    const double place = SearchOracle::place_error;
+    const Ray ray = unit_ray(camera, size, x, y);
+    const Vec3d& d = ray.direction_world;
+    const Eigen::Vector2d range = clip(ray, oracle.control().extent());
+    const Vec3d p_hit = camera.eye_world + Vec3d(hit[0], hit[1], hit[2]);
+    const double t_hit = (p_hit - ray.origin_world).dot(d);
+    const bool is_hit = hit[3] != 0;
+    if (is_hit) {
+        const bool is_on_its_way = (p_hit - ray.origin_world - t_hit * d).norm() < place &&
+                                   t_hit > range.x() - place && t_hit < range.y() + place;
+        out.must(is_on_its_way);
+        out.see(std::abs(oracle.exact().value(p_hit)) / oracle.value_error());
+    }
+    if (!(range.x() <= range.y())) return out;
+    const double before = oracle.exact().value(ray.origin_world + range.x() * d);
+    // Where the ray starts on the surface it may be taken for either side.
+    if (std::abs(before) <= oracle.value_error()) return out;
+    const auto certain = oracle.first_certain(ray, before < 0, range.y());
+    if (!certain) return out;
+    if (!is_hit) {
+        out.see(infinity);
+        return out;
+    }
+    const double t_root = oracle.exact().hit(ray).value_or(*certain);
+    const double slope = std::abs(oracle.exact().gradient(ray.origin_world + t_root * d).dot(d));
+    // To first order the error of the value over the slope, on each side of the root.
+    out.must(t_hit <= *certain + place + 1e-5 + 2 * oracle.value_error() / slope);
+    return out;
+}
+
+} // namespace
+
+Image hits_of(Device& device, const Subject& subject, const Camera& camera,
+              const PictureSize& size) {
+    device.renderer.load({.field = subject.samples,
+                          .iso_world = subject.iso,
+                          .filter = subject.filter,
+                          .storage = subject.storage,
+                          .quality = subject.quality});
+    device.renderer.draw(camera, size.width, size.height, {FrameImage::Hit});
+    return device.renderer.read(FrameImage::Hit);
+}
+
+Worst judge_search(Device& device, const Subject& subject, const std::vector<Camera>& cameras,
+                   const PictureSize& size) {
+    std::vector<Image> images;
+    for (const Camera& camera : cameras) images.push_back(hits_of(device, subject, camera, size));
+    SearchOracle oracle(subject, device.renderer.pool().storage_error());
+    for (const Camera& camera : cameras)
+        for (int y = 0; y < size.height; y += 3)
+            for (int x = 0; x < size.width; x += 3) {
+                const Ray ray = unit_ray(camera, size, x, y);
+                if (const auto t = oracle.exact().hit(ray))
+                    oracle.see_slope(ray.origin_world + *t * ray.direction_world);
+            }
+    oracle.prepare();
+    Worst worst;
+    for (std::size_t i = 0; i < cameras.size(); ++i)
+        worst.see(over_pixels(size, [&](int x, int y) {
+            return judge_pixel(oracle, cameras[i], size, images[i].pixel(x, y), x, y);
+        }));
+    return worst;
+}
+
+Worst judge_positions(Device& device, const Subject& subject, const Camera& camera,
+                      const PictureSize& size) {
+    const Image image = hits_of(device, subject, camera, size);
+    const auto control = control_samples(subject.samples, subject.filter);
+    const ReferenceCaster reference(*control, subject.iso, {.kernel = kernel_of(subject.filter)});
+    const double voxel = control->space().voxel_size_world();
+    return over_pixels(size, [&](int x, int y) {
+        Worst out;
+        const Ray ray = unit_ray(camera, size, x, y);
+        const auto t = reference.hit(ray);
+        const float* hit = image.pixel(x, y);
+        if (t.has_value() != (hit[3] != 0)) {
+            out.see(infinity);
+        } else if (t) {
+            const Vec3d p = ray.origin_world - camera.eye_world + *t * ray.direction_world;
+            out.see((Vec3d(hit[0], hit[1], hit[2]) - p).norm() / voxel);
+        }
+        return out;
+    });
+}
+
+Worst judge_primitives(Device& device, Primitives primitives, const Camera& camera,
+                       const PictureSize& size, const Cut& cut) {
+    // Numbered by their colours, which floats hold exactly.
+    double number = 1;
+    for_each_kind(primitives, [&](auto& some) {
+        for (auto& primitive : some) primitive.colour = Vec3d(number++, 0, 0);
+    });
+    for (TriangleMesh& mesh : primitives.meshes) mesh.colour = Vec3d(number++, 0, 0);
+    // Triangles are numbered one by one, colours are of meshes: one triangle a mesh.
+    device.renderer.load({.primitives = std::make_shared<Primitives>(primitives), .cut = cut});
+    device.renderer.draw(camera, size.width, size.height,
+                         {FrameImage::Hit, FrameImage::SplatColour});
+    const Image hits = device.renderer.read(FrameImage::Hit);
+    const Image colours = device.renderer.read(FrameImage::SplatColour);
+    const std::vector<SeenPrimitive> shown =
+        cast_primitives(primitives, camera, size.width, size.height, cut);
+    return over_pixels(size, [&](int x, int y) {
+        Worst out;
+        const float* hit = hits.pixel(x, y);
+        const SeenPrimitive& seen =
+            shown[static_cast<std::size_t>(y) * static_cast<std::size_t>(size.width) +
+                  static_cast<std::size_t>(x)];
+        const bool is_right = (hit[3] != 0) == (seen.number >= 0) &&
+                              (seen.number < 0 || colours.pixel(x, y)[0] == seen.number + 1);
+        if (!is_right) {
+            out.see(infinity);
+        } else if (seen.number >= 0) {
+            const Ray ray = camera_ray(camera, size.width, size.height, x + 0.5, y + 0.5);
+            const Vec3d p = ray.origin_world - camera.eye_world + ray.direction_world * seen.t;
+            out.see(std::abs(seen.normal.dot(Vec3d(hit[0], hit[1], hit[2]) - p)) / p.norm());
+        }
+        return out;
+    });
+}
+
+Worst same_pictures(const Image& a, const Image& b) {
+    Worst worst;
+    int seen = 0;
+    for (std::size_t i = 0; i < a.rgba.size(); ++i) {
+        worst.must(a.rgba[i] == b.rgba[i]);
+        seen += i % 4 == 3 && a.rgba[i] != 0;
+    }
+    worst.must(seen > 0 && a.rgba.size() == b.rgba.size());
+    return worst;
+}
+
+} // namespace isocast::stability

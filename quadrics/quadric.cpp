@@ -26,7 +26,6 @@ Quadric cone_of(const Vec3d& a_world, const Vec3d& b_world, double radius_a, dou
     cone.has_cap = {is_capped && radius_a > 0, is_capped && radius_b > 0};
     cone.a = Vec3d(1, 1, -cone.radius_slope * cone.radius_slope).asDiagonal();
     cone.b = Vec3d(0, 0, -cone.radius_middle * cone.radius_slope);
-    cone.c = -cone.radius_middle * cone.radius_middle;
     return cone;
 }
 

@@ -45,19 +45,6 @@ HardMesh wedge() {
             0.07};
 }
 
-/// A spike of a hundredth of a degree on a ball.
-HardMesh needle() {
-    Mesh mesh = sphere(2);
-    const Vec3d tip = mesh.vertices_world[4];
-    for (Vec3d& p : mesh.vertices_world) {
-        const double angle = std::acos(std::clamp(p.dot(tip), -1.0, 1.0));
-        if (angle > 0.01 && angle < 0.5)
-            p = (tip + 2e-4 * (p - tip.dot(p) * tip).normalized()).normalized();
-    }
-    mesh.vertices_world[4] = 2.1 * tip;
-    return {tilted(mesh), 0.17};
-}
-
 HardMesh fan() {
     std::vector<Vec3d> rim;
     for (int i = 0; i < 1000; ++i)
@@ -163,7 +150,10 @@ std::vector<NamedMesh> hard_meshes() {
              return HardMesh{tilted(box(Vec3d::Zero(), {20, 15, 1e-7})), 1};
          }},
         {"wedge-of-0.01-degrees", wedge},
-        {"needle-of-0.01-degrees", needle},
+        {"needle-of-0.01-degrees",
+         [] {
+             return HardMesh{tilted(needle_on_a_ball()), 0.17};
+         }},
         {"shells-1e-6-apart",
          [=] {
              return HardMesh{joined(first, beside(0.17e-6)), 0.17};
@@ -191,7 +181,7 @@ std::vector<NamedMesh> hard_meshes() {
          }},
         {"pierces-itself",
          [] {
-             return HardMesh{crossing_tube(), 0.12};
+             return HardMesh{crossing_tube(40, 6), 0.12};
          }},
         {"shared-edge",
          [] {
@@ -210,7 +200,7 @@ std::vector<NamedMesh> hard_meshes() {
          }},
         {"moebius-strip",
          [] {
-             return HardMesh{moebius_strip(), 0.1, {}, Sides::None, SignMethod::Unsigned};
+             return HardMesh{moebius_strip(40), 0.1, {}, Sides::None, SignMethod::Unsigned};
          }},
         {"vertices-on-samples", on_samples},
     };

@@ -11,7 +11,14 @@
 namespace isocast::stability {
 
 /// What a sample's side is checked against.
-enum class Sides { Closed, Open, None };
+enum class Sides {
+    /// The winding number of a closed surface, in or out of the band, wherever |d| > 1e-9 voxel.
+    Closed,
+    /// The winding number in the band, where it is more than 0.1 from 1/2: that is the error that
+    /// WindingNumber's hierarchy may have.
+    Open,
+    None,
+};
 
 struct HardMesh {
     Mesh mesh;

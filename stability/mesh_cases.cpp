@@ -17,19 +17,6 @@ namespace isocast::stability {
 
 namespace {
 
-/// In voxels from a sample: in long double, since samples far from the world's origin need more
-/// than 53 bits.
-Mesh in_voxels(const Mesh& mesh, const GridSpace& space, const Index3& origin) {
-    const long double voxel = space.voxel_size_world();
-    return mapped(mesh, [&](Vec3d p) {
-        for (int k = 0; k < 3; ++k)
-            p[k] = static_cast<double>(
-                (p[k] - static_cast<long double>(space.world_from_index.translation()[k])) / voxel -
-                origin[k]);
-        return p;
-    });
-}
-
 /// What is wrong with the value of a sample [voxels]: distances off by more than half a unit in the
 /// last place; infinite for a side, or for a sample that is in the band and not there.
 class Judge {
@@ -76,14 +63,8 @@ Worst over_samples(const IndexBox& box, const Error& error) {
     return worst;
 }
 
-IndexBox box_about(const Mesh& mesh, const GridSpace& space, int reach) {
-    const WorldBox bounds = bounding_box(in_voxels(mesh, space, Index3::Zero()));
-    return {bounds.min.array().floor().cast<int>() - reach,
-            bounds.max.array().ceil().cast<int>() + reach + 1};
-}
-
 Worst judge_band(const HardMesh& hard, const SparseField& field, double half_width) {
-    const IndexBox box = box_about(hard.mesh, field.space(), static_cast<int>(half_width) + 3);
+    const IndexBox box = box_about(hard.mesh, field.space(), half_width);
     const Judge judge(hard, field.space(), box.lo);
     std::vector<float> values(static_cast<std::size_t>(box.sample_count()));
     field.copy_box(box, 0, values);

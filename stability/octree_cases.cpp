@@ -4,6 +4,7 @@
 #include "distance_transform/mesh_distance.h"
 #include "distance_transform/sample_meshes.h"
 #include "stability/cases.h"
+#include "stability/random.h"
 #include "stability/shapes.h"
 #include "volume/octree_band.h"
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <random>
 
 namespace isocast::stability {
 
@@ -75,22 +76,28 @@ Mesh tetrahedron() {
             {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}}};
 }
 
+Mesh subdivided(Mesh mesh, int times) {
+    for (; times > 0; --times) mesh = isocast::subdivided(mesh);
+    return mesh;
+}
+
 Mesh sphere(int times) {
-    Mesh mesh = octahedron();
-    for (; times > 0; --times) mesh = subdivided(mesh);
-    return mapped(mesh, [](const Vec3d& p) { return p.normalized(); });
+    return mapped(subdivided(octahedron(), times), [](const Vec3d& p) { return p.normalized(); });
 }
 
 Mesh noisy_sphere(unsigned seed, int times) {
-    Random random(seed);
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> unit(0, 1);
     std::array<std::pair<Vec3d, double>, 4> waves;
     for (auto& [direction, phase] : waves) {
-        direction = random.in_cube(4);
-        phase = random.uniform(0, 6);
+        const double x = 8 * unit(random) - 4;
+        const double y = 8 * unit(random) - 4;
+        direction = Vec3d(x, y, 8 * unit(random) - 4);
+        phase = 6 * unit(random);
     }
-    const double roughness = random.uniform(0, 0.4);
+    const double roughness = 0.4 * unit(random);
     return mapped(sphere(times), [&](const Vec3d& p) {
-        double radius = 1 + roughness * random.uniform(-0.5, 0.5);
+        double radius = 1 + roughness * (unit(random) - 0.5);
         for (const auto& [direction, phase] : waves)
             radius += 0.12 * std::sin(direction.dot(p) + phase);
         return Vec3d(radius * p);
@@ -155,9 +162,8 @@ Mesh with_flips(Mesh mesh, int one_in) {
     return mesh;
 }
 
-Mesh moebius_strip() {
+Mesh moebius_strip(int around) {
     Mesh mesh;
-    constexpr int around = 40;
     for (int i = 0; i < around; ++i) {
         const double t = 2 * pi * i / around;
         const Vec3d outward(std::cos(t), std::sin(t), 0);
@@ -174,8 +180,7 @@ Mesh moebius_strip() {
     return mesh;
 }
 
-Mesh crossing_tube() {
-    constexpr int rings = 40, sides = 6;
+Mesh crossing_tube(int rings, int sides) {
     const auto centre = [](double t) {
         return Vec3d(std::sin(t), 0.6 * std::sin(2 * t), 0.12 * std::cos(t));
     };
@@ -197,6 +202,37 @@ Mesh crossing_tube() {
                                   {{a, b, next + k}, {b, next + beside, next + k}});
         }
     return mesh;
+}
+
+Mesh needle_on_a_ball() {
+    Mesh mesh = sphere(2);
+    // One vertex drawn out: its edges are 45 degrees / 4 apart, so the base must shrink as well.
+    const Vec3d tip = mesh.vertices_world[4];
+    for (Vec3d& p : mesh.vertices_world) {
+        const double angle = std::acos(std::clamp(p.dot(tip), -1.0, 1.0));
+        if (angle > 0.01 && angle < 0.5)
+            p = (tip + 2e-4 * (p - tip.dot(p) * tip).normalized()).normalized();
+    }
+    mesh.vertices_world[4] = 2.1 * tip;
+    return mesh;
+}
+
+Mesh in_voxels(const Mesh& mesh, const GridSpace& space, const Index3& origin) {
+    const long double voxel = space.voxel_size_world();
+    return mapped(mesh, [&](Vec3d p) {
+        for (int k = 0; k < 3; ++k)
+            p[k] = static_cast<double>(
+                (p[k] - static_cast<long double>(space.world_from_index.translation()[k])) / voxel -
+                origin[k]);
+        return p;
+    });
+}
+
+IndexBox box_about(const Mesh& mesh, const GridSpace& space, double half_width_voxels) {
+    const WorldBox bounds = bounding_box(in_voxels(mesh, space, Index3::Zero()));
+    const int reach = static_cast<int>(half_width_voxels) + 3;
+    return {bounds.min.array().floor().cast<int>() - reach,
+            bounds.max.array().ceil().cast<int>() + reach + 1};
 }
 
 } // namespace isocast::stability

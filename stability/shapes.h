@@ -3,9 +3,10 @@
 #pragma once
 
 #include "distance_transform/mesh.h"
-#include "stability/random.h"
+#include "volume/grid_space.h"
 
 #include <utility>
+#include <vector>
 
 namespace isocast::stability {
 
@@ -35,6 +36,8 @@ inline Mesh cube() {
     return box(-Vec3d::Ones(), Vec3d::Ones());
 }
 Mesh tetrahedron();
+/// Every triangle cut into four at the middles of its edges, `times` over.
+Mesh subdivided(Mesh mesh, int times);
 /// The octahedron, `times` subdivided, drawn out along each vertex by waves and noise: closed, full
 /// of saddles, without intersections.
 Mesh noisy_sphere(unsigned seed, int times);
@@ -43,7 +46,8 @@ Mesh sphere(int times);
 Mesh double_cone(const std::vector<Vec3d>& line, const Vec3d& top, const Vec3d& bottom);
 /// A closed cone over a rim that goes up and down at every corner.
 Mesh saddle_cone(int valence);
-/// Every third triangle cut into three, one of which is a sliver of such a height by its length.
+/// Every third triangle cut into three about a vertex beside the middle of its first edge, which is
+/// raised a little: one of them is a sliver of such a height by its length.
 Mesh with_slivers(Mesh mesh, double height);
 /// Every third triangle cut in two at a share of an edge, which its neighbour keeps; a triangle
 /// without area closes the seam, or none does.
@@ -52,8 +56,16 @@ Mesh with_seams(Mesh mesh, double share, bool is_closed);
 Mesh unindexed(const Mesh& mesh);
 /// One in so many triangles.
 Mesh with_flips(Mesh mesh, int one_in);
-Mesh moebius_strip();
+Mesh moebius_strip(int around);
 /// A tube of round cross section about a figure of eight, through itself.
-Mesh crossing_tube();
+Mesh crossing_tube(int rings, int sides);
+/// A spike of a hundredth of a degree on a ball.
+Mesh needle_on_a_ball();
+
+/// In voxels from a sample: in long double, since samples far from the world's origin need more
+/// than 53 bits.
+Mesh in_voxels(const Mesh& mesh, const GridSpace& space, const Index3& origin);
+/// The samples within a band of so many voxels about a mesh, and three more.
+IndexBox box_about(const Mesh& mesh, const GridSpace& space, double half_width_voxels);
 
 } // namespace isocast::stability

@@ -6,6 +6,7 @@
 #include "distance_transform/sample_meshes.h"
 #include "distance_transform/winding_number.h"
 #include "stability/cases.h"
+#include "stability/random.h"
 #include "stability/shapes.h"
 
 namespace isocast::stability {

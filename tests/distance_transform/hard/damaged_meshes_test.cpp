@@ -1,58 +1,15 @@
 // Slivers, empty, repeated, turned and missing triangles, seams that do not match.
 // SPDX-License-Identifier: MPL-2.0
 #include "exact_field.h"
-#include "shapes.h"
 
 namespace isocast::test {
 namespace {
-
-/// `mesh` with cut(result, triangle) in place of every third triangle.
-template<class Cut>
-Mesh with_every_third_cut(Mesh mesh, const Cut& cut) {
-    const std::vector<Triangle> whole = std::exchange(mesh.triangles, {});
-    for (std::size_t t = 0; t < whole.size(); ++t) {
-        if (t % 3 != 0)
-            mesh.triangles.push_back(whole[t]);
-        else
-            cut(mesh, whole[t]);
-    }
-    return mesh;
-}
-
-/// `mesh` with a vertex beside the middle of the first edge of every third triangle, which is cut
-/// into three about it, one of them a sliver of height `height` times the edge. The vertex is
-/// raised by as much.
-Mesh with_slivers(Mesh mesh, double height) {
-    return with_every_third_cut(std::move(mesh), [&](Mesh& result, const Triangle& triangle) {
-        const auto& [a, b, c] = triangle;
-        const Vec3d middle = (result.vertices_world[a] + result.vertices_world[b]) / 2;
-        const double length = (result.vertices_world[b] - result.vertices_world[a]).norm();
-        const Vec3d inward = (result.vertices_world[c] - middle).normalized();
-        const int m = static_cast<int>(result.vertices_world.size());
-        result.vertices_world.emplace_back(middle +
-                                           height * length * (inward + middle.normalized()));
-        result.triangles.insert(result.triangles.end(), {{a, b, m}, {b, c, m}, {c, a, m}});
-    });
-}
 
 TEST(HardMeshes, SliversAreExact) {
     for (const double height : {1e-5, 1e-9, 1e-13}) {
         SCOPED_TRACE(height);
         expect_exact_conversion(with_slivers(noisy_sphere(1, 2), height), 0.11);
     }
-}
-
-/// `mesh` with every third triangle cut in two at a point of its first edge `part` along it, while
-/// the neighbour keeps that edge: a third, empty triangle closes the seam.
-Mesh with_seams(Mesh mesh, double part, bool close) {
-    return with_every_third_cut(std::move(mesh), [&](Mesh& result, const Triangle& triangle) {
-        const auto& [a, b, c] = triangle;
-        const int m = static_cast<int>(result.vertices_world.size());
-        const Vec3d along = result.vertices_world[b] - result.vertices_world[a];
-        result.vertices_world.emplace_back(result.vertices_world[a] + part * along);
-        result.triangles.insert(result.triangles.end(), {{a, m, c}, {m, b, c}});
-        if (close) result.triangles.push_back({a, b, m});
-    });
 }
 
 // Halves of dyadic edges are exact, so the triangle that closes the seam has no area at all.

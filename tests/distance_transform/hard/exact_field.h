@@ -5,6 +5,8 @@
 
 #include "distance_transform/brute_force.h"
 #include "distance_transform/convert.h"
+#include "stability/hard_meshes.h"
+#include "stability/shapes.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,16 +19,7 @@
 
 namespace isocast::test {
 
-/// Where the sign is checked, and against what.
-enum class Sides {
-    /// The winding number of a closed surface, in or out of the band, wherever |d| > 1e-9 voxel.
-    Closed,
-    /// The winding number in the band, where it is more than 0.1 from 1/2: that is the error that
-    /// WindingNumber's hierarchy may have.
-    Open,
-    /// Not at all.
-    None,
-};
+using namespace stability; // its meshes
 
 /// Unsigned distance at a point in voxels from some lattice point.
 using Distance = std::function<double(const Vec3d& p_voxels)>;
@@ -38,18 +31,6 @@ struct Truth {
     std::function<double(const Vec3d& p_voxels)> winding;
     Sides sides = Sides::Closed;
 };
-
-/// The mesh in voxels of the field's lattice, measured from sample `origin`. In long double: the
-/// true positions of samples far from the world's origin need more than 53 bits.
-inline Mesh in_voxels(Mesh mesh, const GridSpace& space, const Index3& origin) {
-    const long double voxel = space.voxel_size_world();
-    for (Vec3d& p : mesh.vertices_world)
-        for (int k = 0; k < 3; ++k)
-            p[k] = static_cast<double>(
-                (p[k] - static_cast<long double>(space.world_from_index.translation()[k])) / voxel -
-                origin[k]);
-    return mesh;
-}
 
 /// The truth at every sample of a box, x fastest.
 struct KnownField {
@@ -219,14 +200,6 @@ inline void expect_no_faults(const Faults& faults) {
     EXPECT_EQ(faults.wrong_distances, 0)
         << faults.examples << "\n  worst error " << faults.worst_error_voxels << " voxels";
     EXPECT_EQ(faults.wrong_signs, 0) << faults.examples;
-}
-
-/// The samples within the band of `surface` and three voxels more.
-inline IndexBox box_about(const Mesh& surface, const GridSpace& space, double half_width) {
-    const WorldBox bounds = bounding_box(in_voxels(surface, space, Index3::Zero()));
-    const int reach = static_cast<int>(half_width) + 3;
-    return {bounds.min.array().floor().cast<int>() - reach,
-            bounds.max.array().ceil().cast<int>() + reach + 1};
 }
 
 /// Brute force, over the triangles that can be closest to a point within `reach` of `middle`: those

@@ -1,7 +1,6 @@
 // The comparison sees what it is there to see: a single sample off by a little.
 // SPDX-License-Identifier: MPL-2.0
 #include "exact_field.h"
-#include "shapes.h"
 
 namespace isocast::test {
 namespace {

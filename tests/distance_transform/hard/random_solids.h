@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
-#include "shapes.h"
+#include "stability/shapes.h"
 
 namespace isocast::test {
+
+using namespace stability; // its meshes
 
 /// Two to five spheres, boxes and tetrahedra, turned at random and most of them overlapping.
 inline Mesh overlapping_shells(unsigned seed) {

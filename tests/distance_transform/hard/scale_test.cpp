@@ -1,7 +1,6 @@
 // Far from the origin, very large and very small: the truth is the field of the rounded vertices.
 // SPDX-License-Identifier: MPL-2.0
 #include "exact_field.h"
-#include "shapes.h"
 #include "volume/errors.h"
 
 namespace isocast::test {

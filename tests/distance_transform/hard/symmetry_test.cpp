@@ -1,9 +1,12 @@
 // What must not change a hard mesh's field, or change it as it changes the mesh.
 // SPDX-License-Identifier: MPL-2.0
 #include "fields.h"
-#include "shapes.h"
+#include "stability/shapes.h"
 
 namespace isocast::test {
+
+using namespace stability; // its meshes
+
 namespace {
 
 // With vertices at multiples of 2^-20 and this voxel size, moves by whole voxels and all

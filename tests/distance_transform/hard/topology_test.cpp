@@ -1,7 +1,6 @@
 // Fans, saddles, spikes, several shells, surfaces that touch or cross themselves or have one side.
 // SPDX-License-Identifier: MPL-2.0
 #include "exact_field.h"
-#include "shapes.h"
 
 namespace isocast::test {
 namespace {
@@ -89,16 +88,7 @@ TEST(HardMeshes, WedgeOfAHundredthOfADegreeIsExact) {
 }
 
 TEST(HardMeshes, NeedleOfAHundredthOfADegreeOnASphereIsExact) {
-    Mesh mesh = sphere(2);
-    // One vertex drawn out: its edges are 45 degrees / 4 apart, so the base must shrink as well.
-    const Vec3d tip = mesh.vertices_world[4];
-    for (Vec3d& p : mesh.vertices_world) {
-        const double angle = std::acos(std::clamp(p.dot(tip), -1.0, 1.0));
-        if (angle > 0.01 && angle < 0.5)
-            p = (tip + 2e-4 * (p - tip.dot(p) * tip).normalized()).normalized();
-    }
-    mesh.vertices_world[4] = 2.1 * tip;
-    expect_exact_conversion(tilted(mesh), 0.11);
+    expect_exact_conversion(tilted(needle_on_a_ball()), 0.11);
 }
 
 TEST(HardMeshes, ShellsCloserThanAVoxelAreExact) {
@@ -153,10 +143,7 @@ TEST(HardMeshes, ShellsThatOverlapByLessThanAVoxelAreTheirUnion) {
 
 // A tube along a figure of eight goes through itself: winding number 2 where it does.
 TEST(HardMeshes, ShellThatPiercesItselfIsWhereTheWindingNumberIsAboveAHalf) {
-    const auto figure_of_eight = [](double t) {
-        return Vec3d(std::sin(t), 0.6 * std::sin(2 * t), 0.12 * std::cos(t));
-    };
-    expect_exact_conversion(tube(figure_of_eight, 0.2, 48, 8), 0.07);
+    expect_exact_conversion(crossing_tube(48, 8), 0.07);
 }
 
 // A vertex pushed through the other side: winding number 0 in the dent and -1 beyond it.
@@ -187,22 +174,7 @@ TEST(HardMeshes, TetrahedraTipToTipAreExact) {
 }
 
 TEST(HardMeshes, MoebiusStripHasExactDistancesAndAWarningOfItsSigns) {
-    Mesh mesh;
-    constexpr int around = 60;
-    for (int i = 0; i < around; ++i) {
-        const double t = 2 * pi * i / around;
-        const Vec3d outward(std::cos(t), std::sin(t), 0);
-        const Vec3d across = std::cos(t / 2) * outward + std::sin(t / 2) * Vec3d::UnitZ();
-        for (const double side : {-0.3, 0.3})
-            mesh.vertices_world.emplace_back(outward + side * across);
-    }
-    for (int i = 0; i < around; ++i) {
-        // After one turn the two sides have changed places.
-        const bool is_last = i + 1 == around;
-        const int c = is_last ? 1 : 2 * i + 2;
-        const int d = is_last ? 0 : 2 * i + 3;
-        mesh.triangles.insert(mesh.triangles.end(), {{2 * i, 2 * i + 1, c}, {2 * i + 1, d, c}});
-    }
+    const Mesh mesh = moebius_strip(60);
     const ConvertResult result = expect_exact_conversion(mesh, 0.06, mesh, Sides::None);
     EXPECT_EQ(result.sign_used, SignMethod::Unsigned);
     EXPECT_EQ(result.field.outside(), Outside::Background);

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "stability/picture_judge.h"
 
-#include "filtering/reconstruct.h"
-#include "raycaster/field_on_gpu.h"
 #include "raycaster/primitives_reference.h"
-#include "stability/fields.h"
+#include "stability/search_oracle.h"
 
 #include <tbb/parallel_for.h>
 
@@ -28,101 +26,11 @@ Worst over_pixels(const PictureSize& size, const JudgePixel& judge) {
     return worst;
 }
 
-Ray unit_ray(const Camera& camera, const PictureSize& size, int x, int y) {
-    Ray ray = camera_ray(camera, size.width, size.height, x + 0.5, y + 0.5);
-    ray.direction_world.normalize();
-    return ray;
-}
-
-/// The truth about a subject of unit voxels, and how far float32 may be off.
-class SearchOracle {
-public:
-    SearchOracle(const Subject& subject, double storage_error)
-        : control_(control_samples(subject.samples, subject.filter)), subject_(subject),
-          // Half the guarantee, so that it sees what must be seen.
-          options_{.kernel = kernel_of(subject.filter),
-                   .step_voxels = subject.quality.guarantee_voxels / 2},
-          exact_(*control_, subject.iso, options_), storage_error_(storage_error) {
-        const IndexBox extent = control_->extent();
-        for_each_sample({extent.lo, (extent.hi.array() - 1).matrix()}, [&](const Index3& cell) {
-            std::array<float, 64> support;
-            control_->copy_box({(cell.array() - 1).matrix(), (cell.array() + 3).matrix()}, 0,
-                               support);
-            const auto [min, max] = std::ranges::minmax(support);
-            if (min > subject.iso || max < subject.iso) return;
-            magnitude_ = std::max({magnitude_, subject.iso - min, max - subject.iso});
-        });
-    }
-
-    /// Of the reference's hits, before anything is judged.
-    void see_slope(const Vec3d& p) {
-        slope_ = std::max(slope_, kernel_jet(*control_, p, options_.kernel).gradient.norm());
-    }
-    void prepare() {
-        for (const double sign : {-1.0, 1.0})
-            deep_.emplace_back(*control_, subject_.iso + sign * value_error(), options_);
-    }
-    double value_error() const {
-        const double weights = subject_.filter == Filter::CatmullRom ? 1.96 : 1;
-        return weights * (0x1p-20 * magnitude_ + storage_error_) + 3e-5 * slope_;
-    }
-    const FieldSource& control() const { return *control_; }
-    const ReferenceCaster& exact() const { return exact_; }
-
-    /// Where a unit ray is sure to be stopped at the latest: at the start of a stretch longer than
-    /// the guarantee in which the value has the other sign by more than its error.
-    std::optional<double> first_certain(const Ray& ray, bool starts_inside, double t_end) const {
-        const ReferenceCaster& deep = deep_[starts_inside ? 1 : 0];
-        const auto next = [&](double t) -> std::optional<double> {
-            const auto hit =
-                deep.hit({ray.origin_world + t * ray.direction_world, ray.direction_world});
-            return hit ? std::optional(t + *hit) : std::nullopt;
-        };
-        // 1e-9: past a root that is known to 1e-12.
-        for (auto enter = next(0); enter;) {
-            const double exit = next(*enter + 1e-9).value_or(t_end);
-            if (exit - *enter > subject_.quality.guarantee_voxels + place_error) return enter;
-            if (exit + 1e-9 >= t_end) return std::nullopt;
-            enter = next(exit + 1e-9);
-        }
-        return std::nullopt;
-    }
-
-    static constexpr double place_error = 1e-4; // of float32, in voxels
-
-private:
-    std::shared_ptr<const FieldSource> control_;
-    Subject subject_;
-    ReferenceOptions options_;
-    ReferenceCaster exact_;
-    std::vector<ReferenceCaster> deep_;
-    double storage_error_;
-    double magnitude_ = 0; // greatest |sample - iso| that a point of the surface reads
-    double slope_ = 0;
-};
-
-/// Where a ray is in the extent, for t >= 0; x > y if nowhere.
-Eigen::Vector2d clip(const Ray& ray, const IndexBox& extent) {
-    Eigen::Vector2d range(0, 1e30);
-    for (int axis = 0; axis < 3; ++axis) {
-        const double lo = extent.lo[axis] - ray.origin_world[axis];
-        const double hi = extent.hi[axis] - 1 - ray.origin_world[axis];
-        const double d = ray.direction_world[axis];
-        if (d == 0) {
-            if (lo > 0 || hi < 0) return {1, 0};
-            continue;
-        }
-        range.x() = std::max(range.x(), std::min(lo / d, hi / d));
-        range.y() = std::min(range.y(), std::max(lo / d, hi / d));
-    }
-    return range;
-}
-
 Worst judge_pixel(const SearchOracle& oracle, const Camera& camera, const PictureSize& size,
                   const float* hit, int x, int y) {
     Worst out;
-    const double place = SearchOracle::place_error;
-    const Ray ray = unit_ray(camera, size, x, y);
+    const double place = SearchOracle::place_error_voxels;
+    const Ray ray = unit_ray(camera, size.width, size.height, x, y);
     const Vec3d& d = ray.direction_world;
     const Eigen::Vector2d range = clip(ray, oracle.control().extent());
     const Vec3d p_hit = camera.eye_world + Vec3d(hit[0], hit[1], hit[2]);
@@ -168,15 +76,9 @@ Worst judge_search(Device& device, const Subject& subject, const std::vector<Cam
                    const PictureSize& size) {
     std::vector<Image> images;
     for (const Camera& camera : cameras) images.push_back(hits_of(device, subject, camera, size));
-    SearchOracle oracle(subject, device.renderer.pool().storage_error());
-    for (const Camera& camera : cameras)
-        for (int y = 0; y < size.height; y += 3)
-            for (int x = 0; x < size.width; x += 3) {
-                const Ray ray = unit_ray(camera, size, x, y);
-                if (const auto t = oracle.exact().hit(ray))
-                    oracle.see_slope(ray.origin_world + *t * ray.direction_world);
-            }
-    oracle.prepare();
+    SearchOracle oracle(subject.samples, subject.filter, subject.iso,
+                        subject.quality.guarantee_voxels, device.renderer.pool().storage_error());
+    oracle.prepare(cameras, size.width, size.height);
     Worst worst;
     for (std::size_t i = 0; i < cameras.size(); ++i)
         worst.see(over_pixels(size, [&](int x, int y) {
@@ -193,7 +95,7 @@ Worst judge_positions(Device& device, const Subject& subject, const Camera& came
     const double voxel = control->space().voxel_size_world();
     return over_pixels(size, [&](int x, int y) {
         Worst out;
-        const Ray ray = unit_ray(camera, size, x, y);
+        const Ray ray = unit_ray(camera, size.width, size.height, x, y);
         const auto t = reference.hit(ray);
         const float* hit = image.pixel(x, y);
         if (t.has_value() != (hit[3] != 0)) {

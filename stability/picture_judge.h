@@ -27,10 +27,8 @@ struct PictureSize {
 Image hits_of(Device& device, const Subject& subject, const Camera& camera,
               const PictureSize& size = {});
 
-/// For fields that rays miss easily. Values at hits, over what float32 may make of them: 2^-20 of
-/// the samples that a surface point reads (sixteen roundings of a sum of 64 products, twice that
-/// for Catmull-Rom), what the storage says, and a displacement of 3e-5 voxel (coordinates of up to
-/// 200 voxels round by 1e-5 along each axis, and the search ends within 1e-5).
+/// For fields that rays miss easily: values at hits, over what float32 may make of them; see
+/// SearchOracle.
 ///
 /// returns  infinite where a ray passes a stretch that is longer than the guarantee and surely
 ///          inside, stops after it has to, or off its way

@@ -41,21 +41,8 @@ struct Certified : testing::Test {
     /// Draws the pictures and judges every pixel.
     Verdict judge(const Subject& subject, const std::vector<Camera>& cameras, int size = 64) {
         load(subject);
-        Oracle oracle(subject);
-        // Slopes at a few of the roots, before anything is judged by them.
-        for (const Camera& camera : cameras) {
-            for (int y = 0; y < size; y += 3) {
-                for (int x = 0; x < size; x += 3) {
-                    const Ray ray = unit_ray(camera, size, x, y);
-                    const auto t = oracle.first_root(ray);
-                    if (!t) continue;
-                    const Vec3d p = ray.origin_world + *t * ray.direction_world;
-                    oracle.see_slope(
-                        kernel_jet(oracle.control(), p, subject.kernel()).gradient.norm());
-                }
-            }
-        }
-        oracle.prepare();
+        SearchOracle oracle = oracle_of(subject);
+        oracle.prepare(cameras, size, size);
         Verdict sum;
         std::mutex mutex;
         for (const Camera& camera : cameras) {

@@ -145,9 +145,8 @@ TEST_F(CoarsePictures, ShowTheSplineThatTheCoarseBricksMake) {
             const CoarseBricks& coarse = *renderer.coarse_bricks();
             EXPECT_GT(coarse.coarse_count(), 0);
             const Subject subject{.name = field.name, .samples = coarse.field};
-            Oracle oracle(subject);
-            oracle.see_slope(field.name == "noise" ? 3 : 1.5); // not reached by these fields
-            oracle.prepare();
+            SearchOracle oracle = oracle_of(subject);
+            oracle.prepare(field.name == "noise" ? 3 : 1.5); // not reached by these fields
             Verdict sum;
             std::mutex mutex;
             for (const Camera& camera : cameras_of(n)) {
@@ -186,7 +185,7 @@ TEST_F(CoarsePictures, HaveNoHolesAndNoHitsBeyondTheResidual) {
                 for (int y = 0; y < size; ++y) {
                     for (int x = 0; x < size; ++x) {
                         const float* hit = image.pixel(x, y);
-                        const Ray ray = unit_ray(camera, size, x, y);
+                        const Ray ray = unit_ray(camera, size, size, x, y);
                         const auto inside = deep.hit(ray);
                         const Vec3d p = camera.eye_world + Vec3d(hit[0], hit[1], hit[2]);
                         // Where the ray starts inside the noise the picture has what comes later.
@@ -267,9 +266,8 @@ TEST_F(CoarsePictures, DoNotDependOnTheFetchAndErrByTheirStorage) {
             Subject subject{.name = "bumpy ball", .samples = renderer.coarse_bricks()->field};
             // On both sides of a face between resolutions once.
             subject.storage_error = 2 * renderer.pool().storage_error();
-            Oracle oracle(subject);
-            oracle.see_slope(1.5);
-            oracle.prepare();
+            SearchOracle oracle = oracle_of(subject);
+            oracle.prepare(1.5);
             renderer.draw(camera, size, size, {FrameImage::Hit});
             const Image image = renderer.read(FrameImage::Hit);
             Verdict sum;

@@ -3,6 +3,7 @@
 
 #include "filtering/blocks.h"
 #include "filtering/reconstruct.h"
+#include "raycaster/ray_span.h"
 #include "volume/available_memory.h"
 #include "volume/errors.h"
 
@@ -112,26 +113,6 @@ void restrict_to(double& p0, double& p1, double& p2, double& p3, double a, doubl
     p3 = mean(bb[0], bb[1], b);
 }
 
-/// Part of the ray in a box of points lo ... hi.
-struct Slabs {
-    double t_begin = 0;
-    double t_end = std::numeric_limits<double>::infinity();
-};
-Slabs clipped(const Vec3d& origin, const Vec3d& direction, const Vec3d& lo, const Vec3d& hi) {
-    Slabs slabs;
-    for (int axis = 0; axis < 3; ++axis) {
-        if (direction[axis] == 0) {
-            if (origin[axis] < lo[axis] || origin[axis] > hi[axis]) slabs.t_end = -1;
-            continue;
-        }
-        const double t0 = (lo[axis] - origin[axis]) / direction[axis];
-        const double t1 = (hi[axis] - origin[axis]) / direction[axis];
-        slabs.t_begin = std::max(slabs.t_begin, std::min(t0, t1));
-        slabs.t_end = std::min(slabs.t_end, std::max(t0, t1));
-    }
-    return slabs;
-}
-
 } // namespace
 
 CertifiedCaster::CertifiedCaster(std::shared_ptr<const FieldSource> control, Kernel kernel,
@@ -226,11 +207,11 @@ CertifiedCaster::Walk::Walk(const CertifiedCaster& caster, const Ray& ray) : cas
     const Vec3d origin = space.to_index(ray.origin_world);
     direction_ = space.world_from_index.linear().inverse() * ray.direction_world;
     const IndexBox& extent = caster.extent_;
-    const Slabs slabs = clipped(origin, direction_, extent.lo.cast<double>(),
-                                (extent.hi.array() - 1).matrix().cast<double>());
-    if (!(slabs.t_begin <= slabs.t_end)) return;
-    t_entry_ = slabs.t_begin;
-    length_ = slabs.t_end - slabs.t_begin;
+    const RaySpan span = span_in_box(origin, direction_, extent.lo.cast<double>(),
+                                     (extent.hi.array() - 1).matrix().cast<double>());
+    if (span.is_empty()) return;
+    t_entry_ = span.begin;
+    length_ = span.end - span.begin;
     entry_ = (origin + t_entry_ * direction_)
                  .cwiseMax(extent.lo.cast<double>())
                  .cwiseMin((extent.hi.array() - 1).matrix().cast<double>());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "raycaster/reference.h"
 
+#include "raycaster/ray_span.h"
 #include "volume/errors.h"
 
 #include <fmt/format.h>
@@ -133,22 +134,11 @@ std::optional<double> ReferenceCaster::hit(const Ray& ray) const {
     const Vec3d origin = space_.to_index(ray.origin_world);
     const Vec3d direction = space_.world_from_index.linear().inverse() * ray.direction_world;
 
-    // Clip to the extent: slabs.
-    double t_begin = 0;
-    double t_end = std::numeric_limits<double>::infinity();
-    for (int axis = 0; axis < 3; ++axis) {
-        const double lo = extent_.lo[axis];
-        const double hi = extent_.hi[axis] - 1;
-        if (direction[axis] == 0) {
-            if (origin[axis] < lo || origin[axis] > hi) return std::nullopt;
-            continue;
-        }
-        const double t0 = (lo - origin[axis]) / direction[axis];
-        const double t1 = (hi - origin[axis]) / direction[axis];
-        t_begin = std::max(t_begin, std::min(t0, t1));
-        t_end = std::min(t_end, std::max(t0, t1));
-    }
-    if (!(t_begin <= t_end)) return std::nullopt;
+    const RaySpan span = span_in_box(origin, direction, extent_.lo.cast<double>(),
+                                     (extent_.hi.array() - 1).matrix().cast<double>());
+    if (span.is_empty()) return std::nullopt;
+    const double t_begin = span.begin;
+    const double t_end = span.end;
 
     const auto at = [&](double t) -> Vec3d { return origin + t * direction; };
     const auto is_inside = [&](double t) { return value(at(t)) < 0; };

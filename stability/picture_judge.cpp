@@ -32,21 +32,21 @@ Worst judge_pixel(const SearchOracle& oracle, const Camera& camera, const Pictur
     const double place = SearchOracle::place_error_voxels;
     const Ray ray = unit_ray(camera, size.width, size.height, x, y);
     const Vec3d& d = ray.direction_world;
-    const Eigen::Vector2d range = clip(ray, oracle.control().extent());
+    const auto [t_in, t_out] = span_in(ray, oracle.control().extent());
     const Vec3d p_hit = camera.eye_world + Vec3d(hit[0], hit[1], hit[2]);
     const double t_hit = (p_hit - ray.origin_world).dot(d);
     const bool is_hit = hit[3] != 0;
     if (is_hit) {
         const bool is_on_its_way = (p_hit - ray.origin_world - t_hit * d).norm() < place &&
-                                   t_hit > range.x() - place && t_hit < range.y() + place;
+                                   t_hit > t_in - place && t_hit < t_out + place;
         out.must(is_on_its_way);
         out.see(std::abs(oracle.exact().value(p_hit)) / oracle.value_error());
     }
-    if (!(range.x() <= range.y())) return out;
-    const double before = oracle.exact().value(ray.origin_world + range.x() * d);
+    if (!(t_in <= t_out)) return out;
+    const double before = oracle.exact().value(ray.origin_world + t_in * d);
     // Where the ray starts on the surface it may be taken for either side.
     if (std::abs(before) <= oracle.value_error()) return out;
-    const auto certain = oracle.first_certain(ray, before < 0, range.y());
+    const auto certain = oracle.first_certain(ray, before < 0, t_out);
     if (!certain) return out;
     if (!is_hit) {
         out.see(infinity);

@@ -49,17 +49,17 @@ Subject thin_subject_of(std::shared_ptr<const FieldSource> control) {
 }
 
 Worst sheet_edge_on(Device& device) {
-    const ThinSheet sheet = thin_sheet(n, 4, 0.02);
+    const ThinSheet sheet = thin_sheet(n, 4);
     Random random(40);
     std::vector<Camera> cameras;
     for (const double height : {0.0, 0.001, 0.1}) {
         const Vec3d along = sheet.normal.cross(random.unit()).normalized();
-        cameras.push_back({.eye_world = sheet.middle + 60 * along + height * sheet.normal,
-                           .target_world = sheet.middle,
+        cameras.push_back({.eye_world = sheet.p_on_sheet + 60 * along + height * sheet.normal,
+                           .target_world = sheet.p_on_sheet,
                            .up = sheet.normal,
                            .fov_y_degrees = height == 0 ? 1.0 : 10.0});
     }
-    return judge_search(device, thin_subject_of(sheet.control), cameras, {32, 32});
+    return judge_search(device, thin_subject_of(sheet.field.control), cameras, {32, 32});
 }
 
 /// At the heights of the tube's top, where rays graze it for long, of its middle and between.
@@ -88,7 +88,7 @@ Worst from_inside(Device& device) {
                            .up = random.unit(),
                            .fov_y_degrees = 120});
     }
-    return judge_search(device, subject_of(smooth_noise(n, 6)), cameras, {32, 32});
+    return judge_search(device, subject_of(smooth_noise(n, 6).control), cameras, {32, 32});
 }
 
 /// Flat at the iso value, with what is below it on one side.
@@ -179,7 +179,7 @@ Image picture_of(Device& device, const Subject& subject) {
 }
 
 Worst traversals_agree(Device& device) {
-    Subject subject = subject_of(smooth_noise(n, 13));
+    Subject subject = subject_of(smooth_noise(n, 13).control);
     const Image lists = picture_of(device, subject);
     Worst worst;
     for (const Traversal traversal :
@@ -191,7 +191,7 @@ Worst traversals_agree(Device& device) {
 }
 
 Worst bricks_agree(Device& device) {
-    Subject subject = subject_of(smooth_noise(n, 14));
+    Subject subject = subject_of(smooth_noise(n, 14).control);
     const Image expected = picture_of(device, subject);
     Worst worst;
     for (const int brick : {16, 32, no_bricks}) {
@@ -205,7 +205,7 @@ Worst bricks_agree(Device& device) {
 }
 
 Worst threads_agree(Device& device) {
-    const Subject subject = subject_of(smooth_noise(n, 15), Filter::Interpolating);
+    const Subject subject = subject_of(smooth_noise(n, 15).control, Filter::Interpolating);
     const auto with = [&](std::size_t threads) {
         const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
         return picture_of(device, subject);
@@ -263,15 +263,15 @@ void append_search_cases(std::vector<Case>& cases) {
         append(cases, {"search." + name, what, 0, "bit for bit", run});
     };
     add("sheet-of-0.02-voxel", [](Device& device) {
-        return judge_search(device, thin_subject_of(thin_sheet(n, 1, 0.02).control), oblique(1));
+        return judge_search(device, thin_subject_of(thin_sheet(n, 1).field.control), oblique(1));
     });
     add("sheet-edge-on", sheet_edge_on);
     add("shell-of-0.1-voxel", [](Device& device) {
-        return judge_search(device, thin_subject_of(thin_shell(n, 0.1)), oblique(2));
+        return judge_search(device, thin_subject_of(thin_shell(n, 1).field.control), oblique(2));
     });
     add("torus-edge-on", torus_edge_on);
     add("needles", [](Device& device) {
-        return judge_search(device, thin_subject_of(needles(n, 3)), oblique(3));
+        return judge_search(device, thin_subject_of(needles(n, 3).control), oblique(3));
     });
     for (const Filter filter :
          {Filter::Linear, Filter::BSpline, Filter::Interpolating, Filter::CatmullRom})
@@ -281,9 +281,9 @@ void append_search_cases(std::vector<Case>& cases) {
         });
     for (int axis = 0; axis < 3; ++axis)
         add(std::string("along-") + "xyz"[axis], [axis](Device& device) {
-            Worst worst = judge_search(device, subject_of(tilted_torus(n, 5)),
+            Worst worst = judge_search(device, subject_of(tilted_torus(n, 5).control),
                                        {along_axis(axis), along_axis(axis, -1)}, {32, 32});
-            worst.see(judge_search(device, subject_of(smooth_noise(n, 5)),
+            worst.see(judge_search(device, subject_of(smooth_noise(n, 5).control),
                                    {along_axis(axis), along_axis(axis, -1)}, {32, 32}));
             return worst;
         });
@@ -302,12 +302,12 @@ void append_search_cases(std::vector<Case>& cases) {
     for (const SampleFormat format : {SampleFormat::Float16, SampleFormat::Norm16})
         add(format == SampleFormat::Float16 ? "stored-as-float16" : "stored-as-norm16",
             [format](Device& device) {
-                Subject subject = subject_of(smooth_noise(n, 18));
+                Subject subject = subject_of(smooth_noise(n, 18).control);
                 subject.storage.format = format;
                 return judge_search(device, subject, oblique(18));
             });
     add("fetches-of-8-bit-fractions", [](Device& device) {
-        Subject subject = subject_of(smooth_noise(n, 19));
+        Subject subject = subject_of(smooth_noise(n, 19).control);
         subject.storage = {.fetch = Fetch::Linear, .fraction_bits = 8};
         return judge_search(device, subject, oblique(19));
     });

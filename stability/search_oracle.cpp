@@ -15,20 +15,9 @@ Ray unit_ray(const Camera& camera, int width, int height, int x, int y) {
     return ray;
 }
 
-Eigen::Vector2d clip(const Ray& ray, const IndexBox& extent) {
-    Eigen::Vector2d range(0, 1e30);
-    for (int axis = 0; axis < 3; ++axis) {
-        const double lo = extent.lo[axis] - ray.origin_world[axis];
-        const double hi = extent.hi[axis] - 1 - ray.origin_world[axis];
-        const double d = ray.direction_world[axis];
-        if (d == 0) {
-            if (lo > 0 || hi < 0) return {1, 0};
-            continue;
-        }
-        range.x() = std::max(range.x(), std::min(lo / d, hi / d));
-        range.y() = std::min(range.y(), std::max(lo / d, hi / d));
-    }
-    return range;
+RaySpan span_in(const Ray& ray, const IndexBox& extent) {
+    return span_in_box(ray.origin_world, ray.direction_world, extent.lo.cast<double>(),
+                       (extent.hi.array() - 1).matrix().cast<double>());
 }
 
 SearchOracle::SearchOracle(const std::shared_ptr<const FieldSource>& samples, Filter filter,

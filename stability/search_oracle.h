@@ -4,6 +4,7 @@
 #pragma once
 
 #include "filtering/filter.h"
+#include "raycaster/ray_span.h"
 #include "raycaster/reference.h"
 
 #include <memory>
@@ -15,8 +16,8 @@ namespace isocast::stability {
 /// Of unit length, at a pixel's middle: in a world of unit voxels it is an index-space ray.
 Ray unit_ray(const Camera& camera, int width, int height, int x, int y);
 
-/// Where a ray is in the extent, for t >= 0; x > y if nowhere.
-Eigen::Vector2d clip(const Ray& ray, const IndexBox& extent);
+/// Where such a ray is in the extent.
+RaySpan span_in(const Ray& ray, const IndexBox& extent);
 
 /// The truth about the surface f = iso of samples with unit voxels, world space being index space.
 class SearchOracle {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "stability/picture_judge.h"
 #include "stability/random.h"
+#include "stability/splat_scenes.h"
 
 namespace isocast::stability {
 
@@ -9,24 +10,6 @@ namespace {
 
 const Camera camera{.eye_world = {0, 0, 5}, .target_world = Vec3d::Zero()};
 constexpr PictureSize size{96, 72};
-
-/// One of each kind, of about size 1.
-std::vector<std::pair<const char*, Primitives>> each_kind() {
-    TriangleMesh triangle{.vertices_world = {{-1, -0.4, 0.2}, {0.9, -0.2, 0}, {0.1, 0.8, -0.3}},
-                          .triangles = {{0, 1, 2}}};
-    return {
-        {"sphere", {.spheres = {{}}}},
-        {"ellipsoid", {.ellipsoids = {{.axes_world = Vec3d(1, 0.5, 0.2).asDiagonal()}}}},
-        {"cylinder",
-         {.cylinders = {{.a_world = {-1, -0.3, 0.2},
-                         .b_world = {0.9, 0.4, 0},
-                         .radius_world = 0.3,
-                         .is_capped = true}}}},
-        {"cone", {.cones = {{.a_world = {-1, -0.3, 0.2}, .b_world = {0.9, 0.4, 0}}}}},
-        {"quadric", {.quadrics = {{.a = Vec3d(1, 1, -1).asDiagonal(), .c = -0.1}}}},
-        {"triangle", {.meshes = {triangle}}},
-    };
-}
 
 Worst from_afar(Device& device, const Primitives& one, double ratio) {
     Camera there = camera;
@@ -39,23 +22,7 @@ Worst from_afar(Device& device, const Primitives& one, double ratio) {
 Worst across_the_eyes_plane(Device& device, Projection projection) {
     Camera there = camera;
     there.projection = projection;
-    const Vec3d eye = camera.eye_world;
-    Primitives some;
-    some.spheres = {{.centre_world = eye + Vec3d(0.9, 0, 0.1), .radius_world = 0.5},
-                    {.centre_world = eye + Vec3d(-0.8, 0.2, -0.1), .radius_world = 0.6},
-                    {.centre_world = eye + Vec3d(0, 0.1, 0.3), .radius_world = 4}};
-    some.ellipsoids = {
-        {.centre_world = eye + Vec3d(0, -0.5, 0), .axes_world = Vec3d(0.3, 0.4, 2).asDiagonal()}};
-    some.cylinders = {{.a_world = eye + Vec3d(0.3, 0.4, 1),
-                       .b_world = eye + Vec3d(0.4, 0.5, -2),
-                       .radius_world = 0.2,
-                       .is_capped = true}};
-    some.cones = {{.a_world = eye + Vec3d(-0.3, 0.4, 1), .b_world = eye + Vec3d(-0.5, 1, -3)}};
-    some.quadrics = {{.centre_world = eye + Vec3d(0.2, -0.9, 0),
-                      .a = Vec3d(2, 2, 0).asDiagonal(),
-                      .b = {0, 0, 0.4},
-                      .c = 0}};
-    return judge_primitives(device, some, there, size);
+    return judge_primitives(device, around_the_eye(camera.eye_world), there, size);
 }
 
 Worst crowd(Device& device, const Vec3d& shift) {
@@ -228,7 +195,13 @@ void append_splat_cases(std::vector<Case>& cases) {
     const auto add = [&](const std::string& name, auto run) {
         append(cases, {"splat." + name, compares, 1.5e-6, from, run});
     };
-    for (const auto& [kind, one] : each_kind())
+    auto kinds = each_kind();
+    kinds.emplace_back(
+        "triangle",
+        Primitives{
+            .meshes = {{.vertices_world = {{-1, -0.4, 0.2}, {0.9, -0.2, 0}, {0.1, 0.8, -0.3}},
+                        .triangles = {{0, 1, 2}}}}});
+    for (const auto& [kind, one] : kinds)
         for (const auto& [word, ratio] :
              {std::pair{"1e-01", 1e-1}, std::pair{"1e-03", 1e-3}, std::pair{"1e-06", 1e-6}})
             add(std::string(kind) + "-" + word, [one = one, ratio = ratio](Device& device) {

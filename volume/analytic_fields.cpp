@@ -258,6 +258,15 @@ AnalyticField builtin_field(std::string_view name) {
                                  fmt::join(builtin_field_names(), ", ")));
 }
 
+AnalyticField at_iso(AnalyticField field, double iso_world) {
+    field.jet = [jet = std::move(field.jet), iso_world](const Vec3d& p_world) {
+        Jet out = jet(p_world);
+        out.value -= iso_world;
+        return out;
+    };
+    return field;
+}
+
 std::unique_ptr<FieldSource> sampled(AnalyticField field, int samples_per_axis,
                                      std::optional<double> half_width_voxels) {
     return std::make_unique<SampledField>(std::move(field), samples_per_axis, half_width_voxels);

@@ -58,6 +58,9 @@ std::vector<std::string> builtin_field_names();
 ///         their figure 1, by the comment in fs3d-scl.diderot of Diderot's examples, there negated
 AnalyticField builtin_field(std::string_view name);
 
+/// The field less `iso_world`: its surface there is at 0.
+AnalyticField at_iso(AnalyticField field, double iso_world);
+
 /// A field source that evaluates `field` at `samples_per_axis`^3 points of its cube, the first and
 /// the last on the cube's faces. Samples are computed when they are asked for, never stored. Beyond
 /// the cube the samples at its border continue; with a band all is outside there.

@@ -5,27 +5,22 @@
 
 #include <fmt/format.h>
 
-#include <array>
-
 namespace isocast {
 
 namespace {
 
-constexpr std::array filters{Filter::Linear, Filter::BSpline, Filter::Interpolating};
-
 /// As promise_for() probes it.
 double probed(const Input& input, Filter filter, int resolution, double& voxel_world) {
-    constexpr int point_count = 4000;
     if (!input.is_mesh()) {
         const AnalyticField field = builtin_field(input.name);
         const auto samples = sampled(field, resolution);
         voxel_world = samples->space().voxel_size_world();
-        return probe(*samples, 0, filter, surface_points(field, point_count));
+        return probe(*samples, 0, filter, surface_points(field, probe_point_count));
     }
     const CheckedMesh mesh = read_checked_mesh(input);
     voxel_world = voxel_size_for_resolution(bounding_box(mesh.mesh), resolution);
     const ConvertResult result = convert(mesh, {.voxel_size_world = voxel_world});
-    return probe(result.field, 0, filter, surface_points(mesh.mesh, point_count));
+    return probe(result.field, 0, filter, surface_points(mesh.mesh, probe_point_count));
 }
 
 std::vector<FrontPoint> measured(const std::vector<std::string>& inputs,
@@ -33,7 +28,7 @@ std::vector<FrontPoint> measured(const std::vector<std::string>& inputs,
                                  gl::Context& context, Renderer& renderer, int rounds,
                                  const Progress& progress) {
     std::vector<FrontPoint> points;
-    for (const Filter filter : filters)
+    for (const Filter filter : front_filters)
         for (const int resolution : resolutions) points.push_back({filter, resolution});
     std::vector<std::vector<double>> seconds(points.size());
     for (std::size_t i = 0; i < inputs.size(); ++i) {

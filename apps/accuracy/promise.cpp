@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "apps/accuracy/promise.h"
 
+#include "apps/accuracy/settings.h"
 #include "distance_transform/convert.h"
 #include "filtering/reconstruct.h"
 #include "volume/errors.h"
@@ -19,10 +20,7 @@ namespace isocast {
 
 namespace {
 
-/// 4000: a picture of 256^2 pixels shows ten times as many points, which the ratio makes up for.
-constexpr int point_count = 4000;
 constexpr int greatest_resolution = 1024;
-constexpr std::array candidates{Filter::Linear, Filter::BSpline, Filter::Interpolating};
 
 /// Steps of a factor of sqrt(2) from 16 on.
 int resolution_of_step(int step) {
@@ -44,7 +42,7 @@ Promise cheapest(std::span<const FrontPoint> front, double max_error_world,
     double least = std::numeric_limits<double>::infinity();
     for (int step = 0; resolution_of_step(step) <= greatest_resolution; ++step) {
         const int resolution = resolution_of_step(step);
-        for (const Filter filter : candidates) {
+        for (const Filter filter : front_filters) {
             const double seconds = seconds_of(front, filter, resolution);
             if (best && best->seconds <= seconds) continue;
             const Probed probed = probed_at(filter, resolution);
@@ -152,7 +150,7 @@ std::vector<Vec3d> surface_points(const Mesh& mesh, int count) {
 
 double probe(const FieldSource& field, double iso_world, Filter filter,
              std::span<const Vec3d> points_world) {
-    // The control samples of the others are views; Exact is not among the candidates.
+    // The control samples of the others are views; Exact is not among the front's filters.
     const auto control = control_samples(
         std::shared_ptr<const FieldSource>(std::shared_ptr<void>(), &field), filter);
     const IndexBox extent = field.extent();
@@ -175,7 +173,7 @@ double probe(const FieldSource& field, double iso_world, Filter filter,
 }
 
 Promise promise_for(const AnalyticField& field, double max_error_world, const Front& front) {
-    const std::vector<Vec3d> points = surface_points(field, point_count);
+    const std::vector<Vec3d> points = surface_points(field, probe_point_count);
     return cheapest(front.fields, max_error_world, [&](Filter filter, int resolution) {
         const auto samples = sampled(field, resolution);
         return Probed{probe(*samples, 0, filter, points), samples->space().voxel_size_world()};
@@ -184,7 +182,7 @@ Promise promise_for(const AnalyticField& field, double max_error_world, const Fr
 
 Promise promise_for(const CheckedMesh& mesh, double max_error_world, const Front& front,
                     const Progress& progress) {
-    const std::vector<Vec3d> points = surface_points(mesh.mesh, point_count);
+    const std::vector<Vec3d> points = surface_points(mesh.mesh, probe_point_count);
     const WorldBox box = bounding_box(mesh.mesh);
     std::optional<SparseField> field;
     int resolution_of_field = 0;
@@ -210,7 +208,7 @@ Promise promise_for(const std::shared_ptr<const FieldSource>& field, double iso_
     std::mt19937_64 random(2);
     const std::vector<IndexBox> boxes = field->active_boxes();
     std::vector<Vec3d> points;
-    for (int i = 0; i < 100 * point_count && std::ssize(points) < point_count; ++i) {
+    for (int i = 0; i < 100 * probe_point_count && std::ssize(points) < probe_point_count; ++i) {
         const IndexBox& box = boxes[random() % boxes.size()];
         Vec3d start;
         for (int axis = 0; axis < 3; ++axis)
@@ -227,7 +225,7 @@ Promise promise_for(const std::shared_ptr<const FieldSource>& field, double iso_
     const int resolution = field->extent().size().maxCoeff();
     std::optional<Promise> best;
     double least = of_interpolating;
-    for (const Filter filter : candidates) {
+    for (const Filter filter : front_filters) {
         const double seconds = seconds_of(front.fields, filter, resolution);
         const double error =
             of_interpolating + hit_error_voxels(resolution) * space.voxel_size_world() +
@@ -260,15 +258,8 @@ Promise promise_for(const SceneFile& scene, double max_error_world, const Front&
         return promise_for(read_checked_mesh(input_from(object.mesh)), max_error, front, progress);
     }
     const Input input = input_from(object.field);
-    if (input.kind == Input::Kind::BuiltinField) {
-        AnalyticField field = builtin_field(input.name);
-        field.jet = [jet = field.jet, iso](const Vec3d& p_world) {
-            Jet out = jet(p_world);
-            out.value -= iso;
-            return out;
-        };
-        return promise_for(field, max_error, front);
-    }
+    if (input.kind == Input::Kind::BuiltinField)
+        return promise_for(at_iso(builtin_field(input.name), iso), max_error, front);
     const std::shared_ptr<const FieldSource> field = read_field(input);
     if (field->is_adaptive())
         throw UsageError("--max-error: an octree keeps the error it was converted with");
@@ -279,12 +270,7 @@ void apply(const Promise& promise, SceneFile& scene) {
     SceneObject& object = scene.objects.front();
     scene.filter = promise.filter;
     object.filter.reset();
-    if (!promise.resolution) return;
-    if (!object.mesh.empty())
-        object.resolution = promise.resolution;
-    else
-        object.field = fmt::format("{}@{}", object.field.substr(0, object.field.find('@')),
-                                   *promise.resolution);
+    if (promise.resolution) set_resolution(object, *promise.resolution);
 }
 
 } // namespace isocast

@@ -11,10 +11,16 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include <array>
 #include <functional>
 #include <span>
 
 namespace isocast {
+
+/// What is measured and chosen from.
+inline constexpr std::array front_filters{Filter::Linear, Filter::BSpline, Filter::Interpolating};
+/// A picture of 256^2 pixels shows ten times as many points, which the ratio makes up for.
+inline constexpr int probe_point_count = 4000;
 
 /// What `isocast accuracy --calibrate` measured, of meshes or of fields: at a filter and a
 /// resolution, what a picture takes in all, and how many times as large as the probe's its greatest

@@ -94,16 +94,19 @@ const Knob& knob_named(std::string_view name, Subject subject) {
         fmt::format("'{}' is no knob of this input (there are: {})", name, fmt::join(known, ", ")));
 }
 
+void set_resolution(SceneObject& object, int resolution) {
+    if (!object.mesh.empty())
+        object.resolution = resolution;
+    else
+        object.field =
+            fmt::format("{}@{}", object.field.substr(0, object.field.find('@')), resolution);
+}
+
 void apply(const Setting& setting, Subject subject, SceneFile& scene) {
     for (const auto& [name, value] : setting) {
         const Knob& knob = knob_named(name, subject);
         if (name == "resolution") {
-            SceneObject& object = scene.objects.front();
-            if (subject == Subject::Mesh)
-                object.resolution = integer_from(value);
-            else
-                object.field = fmt::format("{}@{}", object.field.substr(0, object.field.find('@')),
-                                           integer_from(value));
+            set_resolution(scene.objects.front(), integer_from(value));
         } else if (!knob.key.empty()) {
             for (const std::string_view key : knob.also) set_key(scene, key);
             set_key(scene, fmt::format("{}={}", knob.key, value));

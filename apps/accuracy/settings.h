@@ -41,6 +41,9 @@ struct Knob {
 /// throws  UsageError that lists those of the subject
 const Knob& knob_named(std::string_view name, Subject subject);
 
+/// Of a mesh's field, or of a built-in field's samples.
+void set_resolution(SceneObject& object, int resolution);
+
 /// Sets a setting's keys; what is left are options of a conversion.
 void apply(const Setting& setting, Subject subject, SceneFile& scene);
 /// That part of a setting that makes the field.

@@ -95,13 +95,8 @@ Study::Study(StudyOptions options, gl::Context& context, Renderer& renderer, Pro
         truth_ = truth_of(*mesh_, *distance_, view_, progress_);
         break;
     case Subject::BuiltinField: {
-        const double iso = scene.objects.front().iso_world;
-        AnalyticField field = builtin_field(input_.name);
-        field.jet = [jet = field.jet, iso](const Vec3d& p_world) {
-            Jet out = jet(p_world);
-            out.value -= iso;
-            return out;
-        };
+        const AnalyticField field =
+            at_iso(builtin_field(input_.name), scene.objects.front().iso_world);
         truth_ = truth_of(field, base_voxel_world_, view_, progress_);
         break;
     }

@@ -2,6 +2,7 @@
 #include "apps/accuracy/truth.h"
 
 #include "raycaster/primitives_reference.h"
+#include "raycaster/ray_span.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -30,27 +31,9 @@ double greatest_slope(const AnalyticField& field) {
     return 1.5 * greatest;
 }
 
-/// Parameters where a ray enters and leaves the cube [-half, half]^3; none if entry is not below.
-std::pair<double, double> span_in_cube(const Ray& ray, double half) {
-    double begin = 0;
-    double end = nowhere;
-    for (int axis = 0; axis < 3; ++axis) {
-        const double d = ray.direction_world[axis];
-        const double o = ray.origin_world[axis];
-        if (d == 0) {
-            if (std::abs(o) > half) return {1, 0};
-            continue;
-        }
-        const double a = (-half - o) / d;
-        const double b = (half - o) / d;
-        begin = std::max(begin, std::min(a, b));
-        end = std::min(end, std::max(a, b));
-    }
-    return {begin, end};
-}
-
 double first_hit(const AnalyticField& field, double slope, double floor_world, const Ray& ray) {
-    const auto [begin, end] = span_in_cube(ray, field.half_extent_world);
+    const Vec3d corner = Vec3d::Constant(field.half_extent_world);
+    const auto [begin, end] = span_in_box(ray.origin_world, ray.direction_world, -corner, corner);
     if (!(begin < end)) return nowhere;
     const double speed = ray.direction_world.norm();
     const auto value_at = [&](double t) {

@@ -191,7 +191,7 @@ TEST_F(CoarsePictures, HaveNoHolesAndNoHitsBeyondTheResidual) {
                         // Where the ray starts inside the noise the picture has what comes later.
                         const bool is_outside_first =
                             inside &&
-                            exact.value(ray.origin_world + clip(ray, control->extent()).x() *
+                            exact.value(ray.origin_world + span_in(ray, control->extent()).begin *
                                                                ray.direction_world) > residual;
                         sure += is_outside_first;
                         if (is_outside_first) {

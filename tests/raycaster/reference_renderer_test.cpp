@@ -4,6 +4,7 @@
 
 #include "../renderer_test_base.h"
 #include "hard_fields.h"
+#include "volume/analytic_fields.h"
 #include "volume/errors.h"
 
 #include <gtest/gtest.h>

@@ -17,8 +17,8 @@
 
 namespace isocast::test {
 
-using stability::clip;
 using stability::SearchOracle;
+using stability::span_in;
 using stability::unit_ray;
 
 /// What a picture is of, and by which filter.
@@ -87,9 +87,9 @@ inline Verdict judge_pixel(const SearchOracle& oracle, const Camera& camera, con
     Verdict out;
     const Ray ray = unit_ray(camera, image.width, image.height, x, y);
     const Vec3d& d = ray.direction_world;
-    const Eigen::Vector2d range = clip(ray, oracle.control().extent());
-    const double t_in = range.x();
-    const double t_out = range.y();
+    const RaySpan span = span_in(ray, oracle.control().extent());
+    const double t_in = span.begin;
+    const double t_out = span.end;
     const Vec3d p_hit = camera.eye_world + Vec3d(hit[0], hit[1], hit[2]);
     const double t_hit = (p_hit - ray.origin_world).dot(d);
     const auto report = [&](int& count, const std::string& what) {

@@ -4,6 +4,7 @@
 #include "../quadrics/random_primitives.h"
 #include "renderer_test_base.h"
 #include "splat_judge.h"
+#include "stability/splat_scenes.h"
 #include "volume/errors.h"
 
 #include <gmock/gmock.h>
@@ -47,23 +48,7 @@ TEST_F(HardSplat, SpheresThatOverlap) {
 TEST_F(HardSplat, AcrossTheEyesPlaneAndAroundTheEye) {
     for (const Projection projection : {Projection::Perspective, Projection::Orthographic}) {
         camera.projection = projection;
-        const Vec3d eye = camera.eye_world;
-        Primitives some;
-        some.spheres = {{.centre_world = eye + Vec3d(0.9, 0, 0.1), .radius_world = 0.5},
-                        {.centre_world = eye + Vec3d(-0.8, 0.2, -0.1), .radius_world = 0.6},
-                        {.centre_world = eye + Vec3d(0, 0.1, 0.3), .radius_world = 4}};
-        some.ellipsoids = {{.centre_world = eye + Vec3d(0, -0.5, 0),
-                            .axes_world = Vec3d(0.3, 0.4, 2).asDiagonal()}};
-        some.cylinders = {{.a_world = eye + Vec3d(0.3, 0.4, 1),
-                           .b_world = eye + Vec3d(0.4, 0.5, -2),
-                           .radius_world = 0.2,
-                           .is_capped = true}};
-        some.cones = {{.a_world = eye + Vec3d(-0.3, 0.4, 1), .b_world = eye + Vec3d(-0.5, 1, -3)}};
-        some.quadrics = {{.centre_world = eye + Vec3d(0.2, -0.9, 0),
-                          .axes_world = Mat3d::Identity(),
-                          .a = Vec3d(2, 2, 0).asDiagonal(),
-                          .b = {0, 0, 0.4},
-                          .c = 0}};
+        const Primitives some = stability::around_the_eye(camera.eye_world);
         expect_exact(some);
         for (std::size_t kind = 0; kind < 5; ++kind) { // each alone: none hides another
             Primitives one;
@@ -85,15 +70,10 @@ TEST_F(HardSplat, SmallByTheirDistanceAreAsRoundAsNear) {
         // 2.4 radii from top to bottom.
         camera.fov_y_degrees = 2 * std::atan(1.2 / distance) * 180 / std::acos(-1.0);
         SCOPED_TRACE(ratio);
-        expect_exact({.spheres = {{}}}, 120, 120);
-        expect_exact({.ellipsoids = {{.axes_world = Vec3d(1, 0.5, 0.2).asDiagonal()}}}, 120, 120);
-        expect_exact({.cylinders = {{.a_world = {-1, -0.3, 0.2},
-                                     .b_world = {0.9, 0.4, 0},
-                                     .radius_world = 0.3,
-                                     .is_capped = true}}},
-                     120, 120);
-        expect_exact({.cones = {{.a_world = {-1, -0.3, 0.2}, .b_world = {0.9, 0.4, 0}}}}, 120, 120);
-        expect_exact({.quadrics = {{.a = Vec3d(1, 1, -1).asDiagonal(), .c = -0.1}}}, 120, 120);
+        for (const auto& [kind, one] : stability::each_kind()) {
+            SCOPED_TRACE(kind);
+            expect_exact(one, 120, 120);
+        }
     }
 }
 

@@ -68,6 +68,10 @@ void print(const ConvertReport& report, std::size_t threads) {
                report.output.string(), report.active_voxels, report.options.voxel_size_world,
                report.size.x(), report.size.y(), report.size.z(), report.options.half_width_voxels,
                name_of(report.sign), report.sign_reason);
+    if (report.promise)
+        fmt::print("{} voxels promise an error of {:.2g} when drawn with --filter {}\n",
+                   *report.promise->resolution, report.promise->error_world,
+                   filter_name(report.promise->filter));
     fmt::print("{:.2f} s: read {:.2f}, prepare {:.2f}, transform {:.2f}, write {:.2f}\n",
                report.seconds.total, report.seconds.read, report.seconds.prepare,
                report.seconds.transform, report.seconds.write);
@@ -106,6 +110,10 @@ nlohmann::ordered_json to_json(const ConvertReport& report, std::size_t threads)
             {"bytes", std::llround(octree.bytes)},
             {"interpolation", octree.filter == OctreeFilter::Linear ? "linear" : "cubic"}};
     }
+    if (report.promise)
+        json["promise"] = {{"resolution", *report.promise->resolution},
+                           {"error", report.promise->error_world},
+                           {"filter", filter_name(report.promise->filter)}};
     json["voxel_size"] = report.options.voxel_size_world;
     json["half_width_voxels"] = report.options.half_width_voxels;
     if (report.expected) {

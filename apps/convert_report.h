@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
+#include "apps/accuracy/promise.h"
 #include "distance_transform/convert.h"
 #include "distance_transform/meshless.h"
 #include "volume/octree_interpolant.h"
@@ -46,6 +47,7 @@ struct ConvertReport {
         OctreeFilter filter = OctreeFilter::Linear;
         bool is_estimate = false;
     };
+    std::optional<Promise> promise = {};          // of --max-error, but for octrees
     std::optional<Octree> octree = {};            // beside or instead of a band
     bool is_export = false;                       // of an octree file: there is no mesh
     std::optional<ConvertEstimate> expected = {}; // instead of a conversion

@@ -36,7 +36,8 @@ struct ConvertCommand {
     std::filesystem::path output;
     std::filesystem::path out_dir;
     std::optional<double> voxel_size_world;
-    std::optional<int> resolution; // 256 if neither it nor a voxel size is given
+    std::optional<int> resolution; // 256 if nothing says how fine
+    std::optional<double> max_error_world;
     double band_voxels = 3;
     std::optional<double> band_world;
     SignMethod sign = SignMethod::Auto;
@@ -54,6 +55,7 @@ struct ConvertCommand {
         tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
     bool json = false;
     std::vector<std::filesystem::path> shader_folders = {};
+    std::vector<std::filesystem::path> data_folders = {};
 
     /// A full grid instead of a band, computed sample by sample.
     bool is_dense() const { return method == Method::KdTree || extend == Extend::Exact; }
@@ -99,10 +101,14 @@ void check_command(const ConvertCommand& command) {
         throw UsageError("--closest goes with the default method and no --extend");
     if (command.method != Method::Points && command.meshless != MeshlessOptions{})
         throw UsageError("--neighbours, --point-method, --approximation need --method points");
-    const OctreeCommand no_octree;
-    if (command.method != Method::Octree &&
-        (command.octree.max_error_world || command.octree.filter != no_octree.filter))
-        throw UsageError("--max-error and --interpolation need --method octree");
+    const bool is_octree = command.method == Method::Octree;
+    if (!is_octree && !command.max_error_world && command.octree.filter)
+        throw UsageError("--interpolation needs --method octree or --max-error");
+    if (!is_octree && command.max_error_world &&
+        (command.voxel_size_world || command.resolution || command.method == Method::Points ||
+         command.prism == PrismKind::Printed))
+        throw UsageError("--max-error chooses the resolution of a mesh's exact distances: no "
+                         "--resolution, --voxel-size, --method points or --prism printed");
     if (command.method == Method::Octree && command.extend != Extend::None)
         throw UsageError("--method octree has no --extend: its field has a value everywhere");
     if (command.method == Method::Points &&
@@ -110,7 +116,8 @@ void check_command(const ConvertCommand& command) {
         throw UsageError("--method points has no --extend, --sign or --repair");
 }
 
-ConvertOptions options_for(const ConvertCommand& command, const WorldBox& box) {
+ConvertOptions options_for(const ConvertCommand& command, const WorldBox& box,
+                           int usual_resolution = 256) {
     ConvertOptions options{.sign = command.sign,
                            .method = command.method == Method::Csc ? BandMethod::Csc
                                      : command.prism == PrismKind::Exact
@@ -119,8 +126,9 @@ ConvertOptions options_for(const ConvertCommand& command, const WorldBox& box) {
                            .closest = command.closest,
                            .memory_bytes = command.memory_bytes};
     options.voxel_size_world =
-        command.voxel_size_world ? *command.voxel_size_world
-                                 : voxel_size_for_resolution(box, command.resolution.value_or(256));
+        command.voxel_size_world
+            ? *command.voxel_size_world
+            : voxel_size_for_resolution(box, command.resolution.value_or(usual_resolution));
     options.half_width_voxels =
         command.band_world ? *command.band_world / options.voxel_size_world : command.band_voxels;
     if (command.device == Device::Gl) options.scanner = gpu_scanner(command.shader_folders);
@@ -215,6 +223,15 @@ ConvertReport points_job(const ConvertCommand& command, const Job& job, const In
     return report;
 }
 
+/// The coarsest field that keeps --max-error, drawn as `isocast render` does, or linearly.
+Promise promise_of(const ConvertCommand& command, const CheckedMesh& mesh,
+                   const Progress& progress) {
+    const Filter filter =
+        command.octree.filter == OctreeFilter::Linear ? Filter::Linear : Filter::Interpolating;
+    return promise_for(mesh, *command.max_error_world, read_front(command.data_folders), progress,
+                       std::array{filter});
+}
+
 ConvertReport mesh_job(const ConvertCommand& command, const Job& job, const Input& input,
                        const Progress& progress) {
     Stopwatch step;
@@ -226,11 +243,14 @@ ConvertReport mesh_job(const ConvertCommand& command, const Job& job, const Inpu
     ConvertReport report{.input = job.input,
                          .output = job.output,
                          .verdict = mesh.verdict,
-                         .options = options_for(command, bounding_box(mesh.mesh)),
                          .warnings = mesh.warnings};
+    if (command.max_error_world && command.method != Method::Octree)
+        report.promise = promise_of(command, mesh, progress);
+    report.options = options_for(command, bounding_box(mesh.mesh),
+                                 report.promise ? *report.promise->resolution : 256);
     report.seconds.read = step.lap();
     if (command.method == Method::Octree)
-        convert_to_octree(command.octree, mesh,
+        convert_to_octree(command.octree, mesh, command.max_error_world,
                           command.voxel_size_world || command.resolution
                               ? std::optional(report.options.voxel_size_world)
                               : std::nullopt,
@@ -335,6 +355,11 @@ void add_accuracy_options(CLI::App& app, ConvertCommand& command) {
                "surface the error is kept")
         ->type_name("D")
         ->excludes(band);
+    add_parsed(app, "--max-error", command.max_error_world, number_from,
+               "What the surface may be off by, in units of the mesh: chooses the resolution, by "
+               "`isocast accuracy`; of --method octree: the cells (default a thousandth of the "
+               "longest side)")
+        ->type_name("E");
 }
 
 void add_method_options(CLI::App& app, ConvertCommand& command) {
@@ -370,10 +395,12 @@ void add_method_options(CLI::App& app, ConvertCommand& command) {
 
 } // namespace
 
-Verb convert_verb(CLI::App& program, std::vector<std::filesystem::path> shader_folders) {
+Verb convert_verb(CLI::App& program, std::vector<std::filesystem::path> shader_folders,
+                  std::vector<std::filesystem::path> data_folders) {
     CLI::App* app = program.add_subcommand("convert", "Turn meshes into signed distance fields");
     const auto command = std::make_shared<ConvertCommand>();
     command->shader_folders = std::move(shader_folders);
+    command->data_folders = std::move(data_folders);
     app->add_option("IN", command->inputs,
                     "Mesh files (.obj .ply .stl .off) or mesh:NAME; points: also .xyz; or a .hoct")
         ->required();

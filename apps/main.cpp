@@ -51,7 +51,7 @@ int run(int argc, char** argv, Console& console) {
     program.footer(fmt::format("{}\nExample: isocast render mesh:knot -o knot.png", exit_codes));
     program.fallthrough();
     program.require_subcommand(0, 1);
-    const std::array verbs{convert_verb(program, shader_folders()),
+    const std::array verbs{convert_verb(program, shader_folders(), data_folders()),
                            render_verb(program, shader_folders(), data_folders()),
                            info_verb(program),
                            accuracy_verb(program, shader_folders(), data_folders()),

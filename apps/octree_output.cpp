@@ -48,13 +48,11 @@ std::size_t free_node_count(const HashedOctree& tree) {
 } // namespace
 
 void add_octree_options(CLI::App& app, OctreeCommand& command) {
-    add_parsed(app, "--max-error", command.max_error_world, number_from,
-               "Of --method octree: what the field may err by at the surface, in units of the mesh "
-               "(default a thousandth of its longest side)")
-        ->type_name("E");
-    add_choice<OctreeFilter>(app, "--interpolation", command.filter,
-                             {{"linear", OctreeFilter::Linear}, {"cubic", OctreeFilter::Cubic}},
-                             "Of --method octree: linear (default), or cubic, for smooth surfaces")
+    add_choice<OctreeFilter>(
+        app, "--interpolation", command.filter,
+        {{"linear", OctreeFilter::Linear}, {"cubic", OctreeFilter::Cubic}},
+        "Of --method octree: linear (default), or cubic, for smooth surfaces; else what "
+        "--max-error is kept with: cubic (default), as pictures are, or linear")
         ->type_name("KIND");
     add_choice<OctreeGrids>(
         app, "--grids", command.grids,
@@ -64,14 +62,15 @@ void add_octree_options(CLI::App& app, OctreeCommand& command) {
 }
 
 void convert_to_octree(const OctreeCommand& command, const CheckedMesh& mesh,
+                       const std::optional<double>& max_error_world,
                        const std::optional<double>& voxel_size_world, double accurate_within_world,
                        bool is_dry_run, ConvertReport& report, const Progress& progress) {
     const double longest = bounding_box(mesh.mesh).size().maxCoeff();
     AdaptiveConvertOptions options{
-        .max_error_world = command.max_error_world.value_or(longest / 1000),
+        .max_error_world = max_error_world.value_or(longest / 1000),
         .voxel_size_world = voxel_size_world,
         .accurate_within_world = accurate_within_world,
-        .filter = command.filter,
+        .filter = command.filter.value_or(OctreeFilter::Linear),
         .sign = report.options.sign,
         .memory_bytes = report.options.memory_bytes,
     };
@@ -91,7 +90,7 @@ void convert_to_octree(const OctreeCommand& command, const CheckedMesh& mesh,
                      .nodes = share * static_cast<double>(tree->node_count()),
                      .free_nodes = share * static_cast<double>(free_node_count(*tree)),
                      .bytes = share * static_cast<double>(tree->memory_bytes()),
-                     .filter = command.filter,
+                     .filter = options.filter,
                      .is_estimate = is_dry_run};
     report.seconds.prepare = result.prepare_seconds;
     report.seconds.transform = share * result.transform_seconds;

@@ -16,20 +16,21 @@ enum class OctreeGrids {
 };
 
 struct OctreeCommand {
-    std::optional<double> max_error_world; // a thousandth of the mesh's longest side if empty
-    OctreeFilter filter = OctreeFilter::Linear;
+    std::optional<OctreeFilter> filter; // linear if empty
     OctreeGrids grids = OctreeGrids::Finest;
 };
 
-/// --max-error, --interpolation and --grids.
+/// --interpolation and --grids.
 void add_octree_options(CLI::App& app, OctreeCommand& command);
 
 /// Builds the octree, writes it to report.output, and fills in the report. For a dry run it only
 /// estimates.
 ///
+/// max_error_world        a thousandth of the mesh's longest side if empty
 /// voxel_size_world       edge of the finest cells, if given
 /// accurate_within_world  AdaptiveConvertOptions'
 void convert_to_octree(const OctreeCommand& command, const CheckedMesh& mesh,
+                       const std::optional<double>& max_error_world,
                        const std::optional<double>& voxel_size_world, double accurate_within_world,
                        bool is_dry_run, ConvertReport& report, const Progress& progress);
 

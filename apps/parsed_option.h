@@ -49,8 +49,8 @@ inline void add_threads(CLI::App& app, std::size_t& threads) {
 }
 
 /// Adds an option whose text is one of some names; another is a usage error that lists these.
-template<class Value>
-CLI::Option* add_choice(CLI::App& app, const std::string& name, Value& value,
+template<class Value, class Target>
+CLI::Option* add_choice(CLI::App& app, const std::string& name, Target& value,
                         std::vector<std::pair<std::string_view, Value>> known,
                         const std::string& help) {
     return add_parsed(

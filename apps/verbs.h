@@ -21,7 +21,8 @@ struct Verb {
 };
 
 /// meshes -> fields. Shaders and data, here and below, are in the first of the folders that exists.
-Verb convert_verb(CLI::App& program, std::vector<std::filesystem::path> shader_folders);
+Verb convert_verb(CLI::App& program, std::vector<std::filesystem::path> shader_folders,
+                  std::vector<std::filesystem::path> data_folders);
 /// field or mesh -> picture
 Verb render_verb(CLI::App& program, std::vector<std::filesystem::path> shader_folders,
                  std::vector<std::filesystem::path> data_folders);

@@ -34,15 +34,15 @@ struct Probed {
 
 /// probed(filter, resolution) is called as seldom as can be, from coarse to fine.
 template<class ProbedAt>
-Promise cheapest(std::span<const FrontPoint> front, double max_error_world,
-                 const ProbedAt& probed_at) {
+Promise cheapest(std::span<const FrontPoint> front, std::span<const Filter> filters,
+                 double max_error_world, const ProbedAt& probed_at) {
     if (!(max_error_world > 0))
         throw UsageError(fmt::format("--max-error {}: a length above 0", max_error_world));
     std::optional<Promise> best;
     double least = std::numeric_limits<double>::infinity();
     for (int step = 0; resolution_of_step(step) <= greatest_resolution; ++step) {
         const int resolution = resolution_of_step(step);
-        for (const Filter filter : front_filters) {
+        for (const Filter filter : filters) {
             const double seconds = seconds_of(front, filter, resolution);
             if (best && best->seconds <= seconds) continue;
             const Probed probed = probed_at(filter, resolution);
@@ -174,26 +174,28 @@ double probe(const FieldSource& field, double iso_world, Filter filter,
 
 Promise promise_for(const AnalyticField& field, double max_error_world, const Front& front) {
     const std::vector<Vec3d> points = surface_points(field, probe_point_count);
-    return cheapest(front.fields, max_error_world, [&](Filter filter, int resolution) {
+    const auto probed_at = [&](Filter filter, int resolution) {
         const auto samples = sampled(field, resolution);
         return Probed{probe(*samples, 0, filter, points), samples->space().voxel_size_world()};
-    });
+    };
+    return cheapest(front.fields, front_filters, max_error_world, probed_at);
 }
 
 Promise promise_for(const CheckedMesh& mesh, double max_error_world, const Front& front,
-                    const Progress& progress) {
+                    const Progress& progress, std::span<const Filter> filters) {
     const std::vector<Vec3d> points = surface_points(mesh.mesh, probe_point_count);
     const WorldBox box = bounding_box(mesh.mesh);
     std::optional<SparseField> field;
     int resolution_of_field = 0;
-    return cheapest(front.meshes, max_error_world, [&](Filter filter, int resolution) {
+    const auto probed_at = [&](Filter filter, int resolution) {
         if (resolution != resolution_of_field)
             field = convert(mesh, {.voxel_size_world = voxel_size_for_resolution(box, resolution)},
                             progress)
                         .field;
         resolution_of_field = resolution;
         return Probed{probe(*field, 0, filter, points), field->space().voxel_size_world()};
-    });
+    };
+    return cheapest(front.meshes, filters, max_error_world, probed_at);
 }
 
 Promise promise_for(const std::shared_ptr<const FieldSource>& field, double iso_world,

@@ -79,10 +79,12 @@ struct Promise {
 /// of the true surface: for each filter the least resolution, of steps of a factor of sqrt(2),
 /// whose probed error times the front's ratio is small enough.
 ///
+/// filters  to choose from, of the front's
+///
 /// throws  InputError if none does up to 1024 voxels, that says what can be had
 Promise promise_for(const AnalyticField& field, double max_error_world, const Front& front);
 Promise promise_for(const CheckedMesh& mesh, double max_error_world, const Front& front,
-                    const Progress& progress);
+                    const Progress& progress, std::span<const Filter> filters = front_filters);
 /// Of a field whose samples are what they are, the filters alone. The truth is not known: that of
 /// the interpolating spline is estimated by how far Catmull-Rom's cubic, of third order, is from
 /// it, and that of the others by how far they are from it, and by that.

@@ -4,7 +4,11 @@
 #include "../renderer_test_base.h"
 #include "../volume/temporary_folder.h"
 #include "apps/accuracy/promise.h"
+#include "distance_transform/brute_force.h"
+#include "distance_transform/mesh_files.h"
 #include "program.h"
+#include "stability/shapes.h"
+#include "volume/files.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -71,7 +75,22 @@ TEST(Accuracy, KnobsThatThereAreNotAreUsageErrors) {
         << outcome.err;
 }
 
-using MaxError = RendererTest;
+struct MaxError : RendererTest {
+    /// Of what a picture sees of a surface [world].
+    std::vector<double> errors_of_hits(const Scene& scene,
+                                       const std::function<double(const Vec3d&)>& off_world) {
+        renderer.load(scene);
+        const Camera camera = frame_box(renderer.surface_points_world(), Vec3d(0.5, 0.3, 1), 1, 30);
+        renderer.draw(camera, 128, 128, {FrameImage::Hit});
+        const Image hits = renderer.read(FrameImage::Hit);
+        std::vector<double> errors;
+        for (std::size_t p = 0; p < hits.rgba.size(); p += 4)
+            if (hits.rgba[p + 3] != 0)
+                errors.push_back(off_world(
+                    camera.eye_world + Vec3d(hits.rgba[p], hits.rgba[p + 1], hits.rgba[p + 2])));
+        return errors;
+    }
+};
 
 /// The same, turned, grown and moved: no longer what was calibrated with.
 AnalyticField placed(const AnalyticField& field, const Mat3d& rotation, double scale,
@@ -134,17 +153,9 @@ TEST_F(MaxError, IsKeptOnFieldsThatWereNotInTheCalibration) {
         ASSERT_TRUE(promise.resolution);
         EXPECT_LE(promise.error_world, max_error);
         const std::shared_ptr<const FieldSource> samples = sampled(field, *promise.resolution);
-        renderer.load({.field = samples, .filter = promise.filter});
-        const Camera camera = frame_box(renderer.surface_points_world(), Vec3d(0.5, 0.3, 1), 1, 30);
-        renderer.draw(camera, 128, 128, {FrameImage::Hit});
-        const Image hits = renderer.read(FrameImage::Hit);
-        double greatest = 0;
-        for (std::size_t p = 0; p < hits.rgba.size(); p += 4) {
-            if (hits.rgba[p + 3] == 0) continue;
-            const Vec3d at =
-                camera.eye_world + Vec3d(hits.rgba[p], hits.rgba[p + 1], hits.rgba[p + 2]);
-            greatest = std::max(greatest, off_surface(field, at));
-        }
+        const double greatest = std::ranges::max(
+            errors_of_hits({.field = samples, .filter = promise.filter},
+                           [&](const Vec3d& p_world) { return off_surface(field, p_world); }));
         EXPECT_GT(greatest, 0);
         EXPECT_LE(greatest, max_error)
             << field.name << " " << filter_name(promise.filter) << "@" << *promise.resolution;
@@ -158,6 +169,54 @@ TEST_F(MaxError, IsKeptOnFieldsThatWereNotInTheCalibration) {
                shares[10], shares.front(), shares.back(),
                std::ranges::count_if(shares, [](double share) { return share < 0.5; }),
                shares.size());
+}
+
+/// As files, drawn as `isocast render` does without options, and linearly. None was calibrated
+/// with.
+TEST_F(MaxError, IsKeptByConvertedMeshes) {
+    const TemporaryFolder folder;
+    const std::array meshes{stability::tilted(stability::cube()), stability::noisy_sphere(3, 4),
+                            stability::tilted(stability::tetrahedron())};
+    for (const Mesh& mesh : meshes) {
+        write_mesh(mesh, folder / "mesh.obj");
+        for (const auto& [word, filter] :
+             {std::pair{"cubic", Filter::Interpolating}, std::pair{"linear", Filter::Linear}}) {
+            const Json json = Json::parse(checked_output(
+                isocast({"convert", folder / "mesh.obj", "-o", folder / "field.vdb", "--max-error",
+                         "0.01", "--interpolation", word, "--json"})));
+            EXPECT_EQ(json["promise"]["filter"], filter_name(filter));
+            EXPECT_LE(json["promise"]["error"], 0.02);
+            const std::vector<double> off = errors_of_hits(
+                {.field = read_field(folder / "field.vdb"), .filter = filter},
+                [&](const Vec3d& p_world) { return brute_force_distance(mesh, p_world); });
+            const double greatest = std::ranges::max(off);
+            EXPECT_GT(greatest, 0);
+            EXPECT_LE(greatest, 0.02) << word << " at " << json["promise"]["resolution"];
+            fmt::print("{} voxels, {}: {:.2g} of 0.02\n", json["promise"]["resolution"].dump(),
+                       word, greatest);
+        }
+    }
+}
+
+TEST(MaxErrorOfConvert, ChoosesTheResolutionAlone) {
+    const TemporaryFolder folder;
+    const auto convert = [&](std::vector<std::string> more) {
+        std::vector<std::string> words{"convert", "mesh:knot", "-o", folder / "a.vdb"};
+        words.insert(words.end(), more.begin(), more.end());
+        return isocast(words);
+    };
+    for (const std::vector<std::string>& more :
+         {std::vector<std::string>{"--max-error", "0.1", "--resolution", "64"},
+          {"--max-error", "0.1", "--voxel-size", "0.1"},
+          {"--max-error", "0.1", "--method", "points"},
+          {"--max-error", "0.1", "--prism", "printed"},
+          {"--max-error", "0"},
+          {"--interpolation", "linear"}})
+        EXPECT_EQ(convert(more).code, 2) << more.back();
+    const Outcome finer = convert({"--max-error", "1e-9"});
+    EXPECT_EQ(finer.code, 3);
+    EXPECT_NE(finer.err.find("1024 voxels would err by"), std::string::npos) << finer.err;
+    EXPECT_EQ(folder.entry_count(), 0);
 }
 
 } // namespace

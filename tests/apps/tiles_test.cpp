@@ -97,15 +97,16 @@ struct Pictures : testing::Test {
     std::map<FrameImage, Image> draw(const PictureRequest& request) {
         std::map<FrameImage, Image> whole;
         const std::vector<PictureView> views{{.camera = camera, .picture_width = request.width}};
-        report = draw_picture(source_of(renderer), views, request, [&](const std::vector<FrameImages>& rows) {
-            for (const auto& [image, part] : rows.front()) {
-                Image& out = whole[image];
-                EXPECT_EQ(part.width, request.width);
-                out.width = part.width;
-                out.height += part.height;
-                out.rgba.insert(out.rgba.end(), part.rgba.begin(), part.rgba.end());
-            }
-        });
+        report = draw_picture(
+            source_of(renderer), views, request, [&](const std::vector<FrameImages>& rows) {
+                for (const auto& [image, part] : rows.front()) {
+                    Image& out = whole[image];
+                    EXPECT_EQ(part.width, request.width);
+                    out.width = part.width;
+                    out.height += part.height;
+                    out.rgba.insert(out.rgba.end(), part.rgba.begin(), part.rgba.end());
+                }
+            });
         return whole;
     }
     const PassReport& pass(std::string_view name) const {

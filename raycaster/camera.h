@@ -46,6 +46,8 @@ struct PicturePart {
     Eigen::Vector2d first_pixel(int picture_height) const {
         return {x + shift.x(), picture_height - y - height - shift.y()};
     }
+
+    bool operator==(const PicturePart&) const = default;
 };
 
 /// A ray in world space, not normalised: for a perspective camera it starts at the eye, for an

@@ -60,6 +60,10 @@ public:
     void insert(FrameImage image) { bits_.set(static_cast<std::size_t>(image)); }
     bool contains(FrameImage image) const { return bits_.test(static_cast<std::size_t>(image)); }
     void insert(const ImageSet& other) { bits_ |= other.bits_; }
+    void erase(FrameImage image) { bits_.reset(static_cast<std::size_t>(image)); }
+    void erase(const ImageSet& other) { bits_ &= ~other.bits_; }
+    /// Whether all of `other` are in it.
+    bool contains(const ImageSet& other) const { return (other.bits_ & ~bits_).none(); }
 
 private:
     std::bitset<frame_image_count> bits_;

@@ -17,6 +17,8 @@ struct Image {
     int height = 0;
     std::vector<float> rgba;
 
+    bool operator==(const Image&) const = default;
+
     const float* pixel(int x, int y) const {
         return rgba.data() + 4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
                                   static_cast<std::size_t>(x));

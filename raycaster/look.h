@@ -20,6 +20,8 @@ struct Material {
     double diffuse = 0.82;
     double specular = 0.25;
     double shininess = 40;
+
+    bool operator==(const Material&) const = default;
 };
 
 enum class Shadow { None, Hard, Soft };
@@ -37,6 +39,8 @@ struct Light {
     /// Along the longer side of what the light sees; else as the picture's longer side, 4096 at
     /// most.
     std::optional<int> shadow_map_pixels;
+
+    bool operator==(const Light&) const = default;
 };
 
 /// The shader arrays' size.
@@ -54,6 +58,8 @@ struct GoochTones {
     Vec3d warm = Vec3d(0.45, 0.40, 0.05);
     double cool_share = 0.25; // alpha: of the surface colour in the cool tone
     double warm_share = 0.55; // beta
+
+    bool operator==(const GoochTones&) const = default;
 };
 
 /// Light from all directions, for reflection, refraction and the background.
@@ -62,6 +68,8 @@ struct Environment {
     Kind kind = Kind::Sky;
     Image picture = {}; // equirectangular, linear, the top row up; +y is up in world space
     int stripes = 24;   // horizontal ones, from pole to pole
+
+    bool operator==(const Environment&) const = default;
 };
 
 // The effects. Each has a strength in [0, 1]; at 0 it does not exist.
@@ -78,6 +86,8 @@ struct SolidTexture {
     /// Kind::Volume: 0 is colour_a, 1 colour_b; it lies where its own grid says.
     std::shared_ptr<const FieldSource> volume;
     std::string volume_filter = "bspline"; // of its samples, as they are; or "linear"
+
+    bool operator==(const SolidTexture&) const = default;
 };
 
 enum class CurvatureMeasure { K1, K2, Mean, Gauss, ShapeIndex, Curvedness };
@@ -91,6 +101,8 @@ struct CurvatureColour {
     std::optional<ColourMap> map;
     /// [1/world, for Gauss 1/world^2]; else from the picture's percentiles.
     std::optional<std::array<double, 2>> range;
+
+    bool operator==(const CurvatureColour&) const = default;
 };
 
 /// (k1, k2) through a picture: x from k1 = -range to range, y upwards from k2 likewise.
@@ -98,12 +110,16 @@ struct CurvatureMap {
     double strength = 0;
     Image picture = {}; // linear; empty: a built-in one
     std::optional<double> range;
+
+    bool operator==(const CurvatureMap&) const = default;
 };
 
 /// Darkens where k2 < 0, an approximation of accessibility [Miller 1994] (thesis figure 6.11).
 struct Accessibility {
     double strength = 0;
     std::optional<double> radius_world; // at k2 = -1/radius the surface is black
+
+    bool operator==(const Accessibility&) const = default;
 };
 
 /// Ambient occlusion, by rays through fields and among primitives.
@@ -112,6 +128,8 @@ struct Occlusion {
     /// How far occluders count; else a tenth of the diagonal of the surface's box.
     std::optional<double> distance_world;
     int rays = 16; // of each pixel
+
+    bool operator==(const Occlusion&) const = default;
 };
 
 /// Contours of even thickness [Kindlmann et al. 2003].
@@ -119,6 +137,8 @@ struct Contours {
     double strength = 0;
     double thickness_pixels = 2;
     Vec3d colour = Vec3d::Zero();
+
+    bool operator==(const Contours&) const = default;
 };
 
 /// Ridge and valley lines in the (k1, k2) domain [Kindlmann et al. 2003].
@@ -127,6 +147,8 @@ struct Ridges {
     std::optional<double> threshold; // [1/world]; else from the picture's percentiles
     Vec3d ridge_colour = Vec3d(0.9, 0.85, 0.7);
     Vec3d valley_colour = Vec3d(0.1, 0.05, 0.02);
+
+    bool operator==(const Ridges&) const = default;
 };
 
 /// Where a small change of the iso value moves the surface far, or the field bends fast along its
@@ -137,6 +159,8 @@ struct Uncertainty {
     /// Half of it is where weak gradients begin to count; else the picture's median.
     std::optional<double> typical_gradient;
     Vec3d colour = Vec3d(0.8, 0.1, 0.1);
+
+    bool operator==(const Uncertainty&) const = default;
 };
 
 /// Lines along a principal direction: line-integral convolution of a noise in space, as a factor of
@@ -147,16 +171,22 @@ struct Flow {
     double length_pixels = 20;
     double grain_pixels = 1.5;
     std::optional<double> phase; // with period 1: the kernel travels along the lines
+
+    bool operator==(const Flow&) const = default;
 };
 
 struct Reflection {
     double strength = 0;
     bool has_fresnel = false; // Schlick's, with the index of `Refraction`
+
+    bool operator==(const Reflection&) const = default;
 };
 
 struct Refraction {
     double strength = 0;
     double index = 1.5;
+
+    bool operator==(const Refraction&) const = default;
 };
 
 /// Sobel edges of depth and normals (thesis section 7.3.3).
@@ -165,6 +195,8 @@ struct Outlines {
     double silhouette_threshold = 0.02; // a step in depth, relative to the field's diagonal
     double crease_threshold = 0.8;      // the length of a step in unit normals
     Vec3d colour = Vec3d::Zero();
+
+    bool operator==(const Outlines&) const = default;
 };
 
 struct Effects {
@@ -180,6 +212,8 @@ struct Effects {
     Ridges ridges;
     Contours contours;
     Outlines outlines;
+
+    bool operator==(const Effects&) const = default;
 };
 
 /// All that a picture needs beside geometry; it changes without a new load.
@@ -192,6 +226,8 @@ struct Look {
     Vec3d background = Vec3d(0.93, 0.94, 0.95);
     bool shows_environment = false; // as the background
     Effects effects;
+
+    bool operator==(const Look&) const = default;
 };
 
 } // namespace isocast

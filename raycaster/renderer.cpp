@@ -8,6 +8,7 @@
 #include "raycaster/effects/flow.h"
 #include "raycaster/effects/shadow.h"
 #include "raycaster/field_passes.h"
+#include "raycaster/look_changes.h"
 #include "raycaster/passes.h"
 #include "raycaster/shading.h"
 #include "volume/errors.h"
@@ -28,6 +29,18 @@ constexpr int default_shadow_map = 4096; // at most: its hits are 256 MiB while 
 
 bool has_primitives(const Scene& scene) {
     return scene.primitives && scene.primitives->count() > 0;
+}
+
+/// throws  InputError
+void check_quality(const Quality& quality, bool is_composed) {
+    if (quality.rate && quality.rate_factor < 1)
+        throw InputError("the factor between two sampling rates must be at least 1");
+    if (is_composed && (quality.rate || quality.traversal != Traversal::TileLists))
+        throw InputError("composed objects are searched by certified steps through lists of "
+                         "blocks, not at a rate or by other traversals");
+    if (!(quality.detail_pixels >= 0 && quality.detail_pixels <= 4))
+        throw InputError(
+            fmt::format("details of {} pixels: not in 0 ... 4", quality.detail_pixels));
 }
 
 /// throws  InputError
@@ -64,6 +77,35 @@ void check_look(const Look& look) {
     check(look.effects.flow);
 }
 
+/// Those of a picture's images that need not be drawn again.
+///
+/// drawn  that still hold, but for what they are made of
+ImageSet images_kept(const std::vector<Pass>& live, ImageSet drawn, bool keeps_shadow_map) {
+    const auto is_live = [&](FrameImage image) {
+        return std::ranges::find(live, image, &Pass::writes) != live.end();
+    };
+    const auto are_drawn = [&](const auto& is_of_group) {
+        return std::ranges::all_of(live, [&](const Pass& pass) {
+            return !is_of_group(pass.writes) || drawn.contains(pass.writes);
+        });
+    };
+    // What one pass draws with another it draws for all or for none.
+    const auto is_drawn_with_hits = [](FrameImage image) {
+        return image == FrameImage::Hit || image == FrameImage::Steps ||
+               image == FrameImage::SplatColour;
+    };
+    if (is_live(FrameImage::Hit) && !are_drawn(is_drawn_with_hits)) drawn.erase(FrameImage::Hit);
+    const bool has_second_order = are_drawn(is_of_second_order);
+    ImageSet kept;
+    for (const Pass& pass : live) {
+        const bool is_drawn = pass.writes == FrameImage::ShadowMap ? keeps_shadow_map
+                              : is_of_second_order(pass.writes)    ? has_second_order
+                                                                   : drawn.contains(pass.writes);
+        if (is_drawn && kept.contains(pass.reads)) kept.insert(pass.writes);
+    }
+    return kept;
+}
+
 } // namespace
 
 Renderer::Renderer(gl::Context& context, const std::filesystem::path& shader_folder)
@@ -72,12 +114,7 @@ Renderer::Renderer(gl::Context& context, const std::filesystem::path& shader_fol
 
 void Renderer::load(Scene scene, const Progress& progress) {
     const std::vector<FieldObject> objects = objects_of(scene);
-    if (scene.quality.rate && scene.quality.rate_factor < 1)
-        throw InputError("the factor between two sampling rates must be at least 1");
-    if (is_composed(scene) &&
-        (scene.quality.rate || scene.quality.traversal != Traversal::TileLists))
-        throw InputError("composed objects are searched by certified steps through lists of "
-                         "blocks, not at a rate or by other traversals");
+    check_quality(scene.quality, is_composed(scene));
     if (!(scene.curvature_scale_voxels >= 0 &&
           scene.curvature_scale_voxels <= greatest_scale_voxels))
         throw InputError(fmt::format("a curvature scale of {} voxels: it must lie between 0 and {}",
@@ -88,9 +125,6 @@ void Renderer::load(Scene scene, const Progress& progress) {
     if (scene.quality.splats == SplatShading::Direct) check_direct(scene.look, !objects.empty());
     if (scene.primitives) check(*scene.primitives);
     check(scene.cut);
-    if (!(scene.quality.detail_pixels >= 0 && scene.quality.detail_pixels <= 4))
-        throw InputError(
-            fmt::format("details of {} pixels: not in 0 ... 4", scene.quality.detail_pixels));
     StorageOptions storage = scene.storage;
     storage.budget_bytes /= std::max<std::ptrdiff_t>(std::ssize(objects), 1);
     // What stays the same is kept; other old fields go first, so that they and the new ones are
@@ -103,6 +137,7 @@ void Renderer::load(Scene scene, const Progress& progress) {
         });
         loaded.push_back(found == objects_.end() ? nullptr : std::move(*found));
     }
+    forget_parts();
     objects_.clear();
     for (std::size_t i = 0; i < objects.size(); ++i) {
         if (loaded[i]) continue;
@@ -129,8 +164,33 @@ void Renderer::load(Scene scene, const Progress& progress) {
 void Renderer::set_look(Look look) {
     check_look(look);
     if (scene_.quality.splats == SplatShading::Direct) check_direct(look, !objects_.empty());
+    const ImageSet changed = images_changed(scene_.look, look);
+    for (DrawnPart& part : parts_) part.drawn.erase(changed);
+    const Effects& old = scene_.look.effects;
+    const Effects& now = look.effects;
+    if (scene_.look.environment != look.environment || old.curvature_map != now.curvature_map ||
+        old.curvature_colour != now.curvature_colour || old.solid_texture != now.solid_texture)
+        look_textures_ = {};
     scene_.look = std::move(look);
-    look_textures_ = {};
+}
+
+void Renderer::set_quality(const Quality& quality) {
+    check_quality(quality, is_composed(scene_));
+    if (quality.traversal != scene_.quality.traversal || quality.splats != scene_.quality.splats)
+        throw std::logic_error("another traversal or shading of splats needs a new load");
+    scene_.quality = quality;
+    check_residence();
+    forget_parts();
+}
+
+void Renderer::keep_parts(std::size_t count) {
+    kept_part_count_ = count;
+    forget_parts();
+}
+
+void Renderer::set_study(const SplatStudy& study) {
+    study_ = study;
+    forget_parts();
 }
 
 void Renderer::set_iso(double iso_world, int object) {
@@ -143,10 +203,16 @@ void Renderer::set_iso(double iso_world, int object) {
 void Renderer::set_look_numbers(LookNumbers numbers) {
     look_numbers_ = std::move(numbers);
     std::erase_if(look_numbers_, [](const auto& found) { return !found.second.value; });
+    for (DrawnPart& part : parts_) part.drawn = {};
+}
+
+void Renderer::forget_parts() {
+    parts_.clear();
+    shadow_map_.reset(); // it was the last part's
 }
 
 void Renderer::check_residence() {
-    shadow_map_.reset();
+    forget_parts();
     set_look_numbers(std::move(look_numbers_)); // what the surface did not have it may have now
     // Refining a sampled hit reads the block before as well, which may be gone by then; and only a
     // place in a list is kept from pass to pass.
@@ -223,13 +289,17 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
         primitives_ = std::make_shared<Primitives>(with_dots_as_spheres(
             *scene_.primitives, picture_space(camera), pixels_per_unit(camera, height)));
         primitives_box_ = box_of(*primitives_);
-        shadow_map_.reset();
+        forget_parts();
     }
     if (std::vector<CutPlane> planes = planes_of(scene_.cut, camera); planes != cut_planes_) {
         cut_planes_ = std::move(planes);
-        shadow_map_.reset();
+        forget_parts();
     }
-    const SeenScene seen = seen_by(camera, width, height, part, scene_.quality.detail_pixels);
+    DrawnPart& drawn = part_of(camera, width, height, part);
+    if (!drawn.seen)
+        drawn.seen.emplace(seen_by(camera, width, height, part, scene_.quality.detail_pixels));
+    const SeenScene& seen = *drawn.seen;
+    FrameTargets& targets = drawn.targets;
     FrameReport report;
     FrameContext frame{shaders_,
                        no_vertices_,
@@ -240,7 +310,7 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
                        camera,
                        width,
                        height,
-                       targets_,
+                       targets,
                        look_textures_,
                        look_numbers_,
                        part};
@@ -249,7 +319,6 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
     const std::vector<Pass> live = live_passes(declared, wanted);
     const auto is_live = [&](FrameImage image) { return frame.live.contains(image); };
     for (const Pass& pass : live) frame.live.insert(pass.writes);
-    frame.has_fused_gradient = can_fuse_gradient(frame) && is_live(FrameImage::Gradient);
     frame.surface_box_world = [&] { return surface_box_world(); };
     frame.see = [&](const Camera& other, int other_width, int other_height) {
         return seen_by(other, other_width, other_height,
@@ -276,6 +345,10 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
     }
     const bool keeps_shadow_map = frame.light && frame.light == shadow_map_;
     if (!keeps_shadow_map) shadow_map_.reset();
+    const ImageSet kept = images_kept(live, drawn.drawn, keeps_shadow_map);
+    drawn.drawn = {}; // until all is drawn
+    frame.has_fused_gradient = can_fuse_gradient(frame) && is_live(FrameImage::Gradient) &&
+                               !kept.contains(FrameImage::Hit);
 
     const bool is_smoothed =
         scene_.curvature_scale_voxels > 0 &&
@@ -283,18 +356,18 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
     for (const auto& object : objects_) object->keep_smoothed(is_smoothed);
 
     for (const Pass& pass : declared) {
-        gl::Texture& texture = targets_.texture(pass.writes);
+        gl::Texture& texture = targets.texture(pass.writes);
         const bool is_of_light = frame.light && pass.writes == FrameImage::ShadowMap;
         const int image_width = is_of_light ? frame.light->width : part.width;
         const int image_height = is_of_light ? frame.light->height : part.height;
         if (!is_live(pass.writes)) {
-            targets_.framebuffer(pass.writes) = {};
+            targets.framebuffer(pass.writes) = {};
             texture = {};
         } else if (texture.is_empty() || texture.width() != image_width ||
                    texture.height() != image_height) {
-            targets_.make(pass.writes, image_width, image_height);
+            targets.make(pass.writes, image_width, image_height);
         }
-        const bool is_kept = keeps_shadow_map && is_of_light;
+        const bool is_kept = is_live(pass.writes) && kept.contains(pass.writes);
         const auto drawer =
             std::ranges::find(declared, drawn_with(frame, pass.writes), &Pass::writes);
         const bool is_drawn_with_another = is_live(pass.writes) && drawer->name != pass.name;
@@ -309,7 +382,7 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
 
     std::map<std::string_view, gl::Timer> timers;
     for (const Pass& pass : live) {
-        if (keeps_shadow_map && pass.writes == FrameImage::ShadowMap) continue;
+        if (kept.contains(pass.writes)) continue;
         const gl::DebugGroup group(pass.name);
         gl::Timer& timer = timers[pass.name];
         timer.start();
@@ -318,6 +391,7 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
         context_.throw_pending_error();
     }
     shadow_map_ = frame.light;
+    if (kept_part_count_ > 0) drawn.drawn = frame.live;
     if (study_.counts_fragments && seen.splats) report.splat_fragments = count_fragments(frame);
     for (PassReport& pass : report.passes)
         if (pass.ran) pass.milliseconds = timers.at(pass.name).milliseconds();
@@ -327,13 +401,58 @@ FrameReport Renderer::draw(const Camera& camera, int width, int height, const Im
     report.scratch_bytes = frame.scratch_bytes;
     report.notes = std::move(frame.notes);
     report.look_bytes = look_textures_.byte_count();
+    if (kept_part_count_ == 0) drawn.seen.reset();
     return report;
 }
 
-Image Renderer::read(FrameImage image) const {
-    const gl::Texture& texture = targets_.textures[static_cast<std::size_t>(image)];
-    if (texture.is_empty())
+Renderer::DrawnPart& Renderer::part_of(const Camera& camera, int width, int height,
+                                       const PicturePart& part) {
+    const auto is_of_picture = [&](const DrawnPart& other) {
+        return other.camera == camera && other.width == width && other.height == height;
+    };
+    auto found = std::ranges::find_if(
+        parts_, [&](const DrawnPart& other) { return is_of_picture(other) && other.part == part; });
+    if (found == parts_.end()) {
+        // Another sample of the same pixels, or else the oldest, gives its textures.
+        std::erase_if(parts_, [&](const DrawnPart& other) {
+            return &other != &parts_.back() && !is_of_picture(other);
+        });
+        found = std::ranges::find_if(parts_, [&](const DrawnPart& other) {
+            const PicturePart& p = other.part;
+            return p.x == part.x && p.y == part.y && p.width == part.width &&
+                   p.height == part.height;
+        });
+        if (found == parts_.end() && parts_.size() >= std::max<std::size_t>(kept_part_count_, 1))
+            found = parts_.begin();
+        if (found == parts_.end()) found = parts_.emplace(parts_.begin());
+        found->camera = camera;
+        found->width = width;
+        found->height = height;
+        found->part = part;
+        found->seen.reset();
+        found->drawn = {};
+    }
+    // The shadow map is one for all.
+    FrameTargets& last = parts_.back().targets;
+    if (&last != &found->targets) {
+        std::swap(found->targets.texture(FrameImage::ShadowMap),
+                  last.texture(FrameImage::ShadowMap));
+        std::swap(found->targets.framebuffer(FrameImage::ShadowMap),
+                  last.framebuffer(FrameImage::ShadowMap));
+    }
+    std::rotate(found, found + 1, parts_.end());
+    return parts_.back();
+}
+
+const gl::Texture& Renderer::texture(FrameImage image) const {
+    if (parts_.empty() ||
+        parts_.back().targets.textures[static_cast<std::size_t>(image)].is_empty())
         throw std::logic_error(fmt::format("image '{}' was not drawn", name_of(image)));
+    return parts_.back().targets.textures[static_cast<std::size_t>(image)];
+}
+
+Image Renderer::read(FrameImage image) const {
+    const gl::Texture& texture = this->texture(image);
     Image out{texture.width(), texture.height(), {}};
     const auto row = static_cast<std::size_t>(out.width) * 4;
     std::vector<float> bottom_up(row * static_cast<std::size_t>(out.height));

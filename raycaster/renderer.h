@@ -52,13 +52,20 @@ public:
     /// that keeps the digits that sums of f would lose. throws  as load
     void set_iso(double iso_world, int object = 0);
 
+    /// Changes how rays search, but for the traversal. throws  as load
+    void set_quality(const Quality& quality);
+
+    /// Keeps what the last pictures of so many parts were made of: what is drawn again of the same
+    /// camera and size runs only the passes whose images a new look changed.
+    void keep_parts(std::size_t count);
+
     /// Changes how hits are shaded; the field stays, and so do the numbers that were found.
     /// throws  InputError if the look asks for what there is not
     void set_look(Look look);
     const Look& look() const { return scene_.look; }
 
     /// For benchmarks.
-    void set_study(const SplatStudy& study) { study_ = study; }
+    void set_study(const SplatStudy& study);
 
     /// What effects found in the first picture since load, where the look says no number: in the
     /// whole picture at overview_pixels at most, whatever part and size are drawn.
@@ -89,8 +96,24 @@ public:
 
     /// An image of the last frame, which it must have wanted or needed.
     Image read(FrameImage image) const;
+    /// The same on the GPU, the bottom row first.
+    const gl::Texture& texture(FrameImage image) const;
 
 private:
+    /// The last picture of a part, and which of its images still hold.
+    struct DrawnPart {
+        Camera camera;
+        int width = 0;
+        int height = 0;
+        PicturePart part;
+        FrameTargets targets = {};
+        std::optional<SeenScene> seen = {};
+        ImageSet drawn = {};
+    };
+    /// Becomes the last of those that are kept.
+    DrawnPart& part_of(const Camera& camera, int width, int height, const PicturePart& part);
+    /// Nothing that was drawn is what would be drawn.
+    void forget_parts();
     const LoadedObject& at(int object) const {
         return *objects_.at(static_cast<std::size_t>(object));
     }
@@ -112,7 +135,8 @@ private:
     std::vector<CutPlane> cut_planes_;             // of these, of the last picture's viewer
     Eigen::AlignedBox3d primitives_box_;           // of these, if there are some; else empty
     std::optional<LightView> shadow_map_; // where it was drawn from, if it is that of these objects
-    FrameTargets targets_;
+    std::size_t kept_part_count_ = 0;
+    std::vector<DrawnPart> parts_; // that of the last frame is the last
     LookTextures look_textures_;
     LookNumbers look_numbers_;
 };

@@ -183,7 +183,7 @@ TEST_F(MaxError, IsKeptByConvertedMeshes) {
              {std::pair{"cubic", Filter::Interpolating}, std::pair{"linear", Filter::Linear}}) {
             const Json json = Json::parse(checked_output(
                 isocast({"convert", folder / "mesh.obj", "-o", folder / "field.vdb", "--max-error",
-                         "0.01", "--interpolation", word, "--json"})));
+                         "0.02", "--interpolation", word, "--json"})));
             EXPECT_EQ(json["promise"]["filter"], filter_name(filter));
             EXPECT_LE(json["promise"]["error"], 0.02);
             const std::vector<double> off = errors_of_hits(

@@ -55,19 +55,6 @@ void add(FrameReport& sum, FrameReport frame) {
     sum = std::move(frame);
 }
 
-/// The part with what effects look at around it, in whole quads of the picture's pixels, which
-/// count from its bottom left corner.
-PicturePart grown(const PicturePart& part, int reach, int width, int height) {
-    if (reach == 0) return part;
-    const auto below = [&](int i) { return std::max(0, i - reach) / 2 * 2; };
-    const auto above = [&](int i, int size) { return std::min(size, (i + reach + 1) / 2 * 2); };
-    const int bottom = below(height - part.y - part.height);
-    const int top = above(height - part.y, height);
-    PicturePart out{.x = below(part.x), .y = height - top, .height = top - bottom};
-    out.width = above(part.x + part.width, width) - out.x;
-    return out;
-}
-
 /// Adds `weight` times the pixels of a part, out of `drawn` which has them from (x, y) on, to their
 /// place in rows that start at the part's.
 void add_pixels(Image& rows, const Image& drawn, const PicturePart& part, int x, int y_first,
@@ -118,6 +105,17 @@ int reach_pixels(const Look& look) {
     // Along a line, and between four pixels there.
     if (effects.flow.strength > 0) reach = std::max(reach, step_count(effects.flow) + 1);
     return reach;
+}
+
+PicturePart with_reach(const PicturePart& part, int reach, int width, int height) {
+    if (reach == 0) return part;
+    const auto below = [&](int i) { return std::max(0, i - reach) / 2 * 2; };
+    const auto above = [&](int i, int size) { return std::min(size, (i + reach + 1) / 2 * 2); };
+    const int bottom = below(height - part.y - part.height);
+    const int top = above(height - part.y, height);
+    PicturePart out{.x = below(part.x), .y = height - top, .height = top - bottom};
+    out.width = above(part.x + part.width, width) - out.x;
+    return out;
 }
 
 std::vector<PicturePart> parts_of(int width, int height, int edge, int limit) {
@@ -171,7 +169,7 @@ FrameReport draw_picture(const PictureSource& source, const std::vector<PictureV
         const double first = std::floor(view.first_pixel);
         PicturePart in_picture = part;
         in_picture.x += static_cast<int>(first);
-        PicturePart around = grown(in_picture, source.reach, view.picture_width, request.height);
+        PicturePart around = with_reach(in_picture, source.reach, view.picture_width, request.height);
         const Eigen::Vector2d middle(view.first_pixel - first, 0);
         const auto draw = [&](const ImageSet& wanted, const Eigen::Vector2d& shift) {
             if (progress)

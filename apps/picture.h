@@ -42,6 +42,10 @@ std::vector<Eigen::Vector2d> sample_shifts(int samples, PixelFilter filter);
 /// How far around a pixel effects look at others, or at those of its quad.
 int reach_pixels(const Look& look);
 
+/// The part with so many pixels around it, in whole quads of the picture's pixels, which count from
+/// its bottom left corner.
+PicturePart with_reach(const PicturePart& part, int reach, int width, int height);
+
 /// The parts in which a picture is drawn, row by row.
 ///
 /// edge   of a part; 0: one part unless the picture is large

@@ -49,17 +49,18 @@ KeyVector on_path(const std::vector<CameraKey>& keys, const Camera& base, double
 
 } // namespace
 
+Change change_of_key(const std::string& key) {
+    const bool is_of_object = key.starts_with("object.");
+    return is_of_object && key.ends_with(".iso")         ? Change::Iso
+           : is_of_object || key.starts_with("quality.") ? Change::Load
+           : key.starts_with("camera.")                  ? Change::Nothing
+                                                         : Change::Look;
+}
+
 Change change_of(const SceneFile& scene) {
     Change change = Change::Nothing;
-    for (const Animation& animation : scene.animations) {
-        const std::string& key = animation.key;
-        const bool is_of_object = key.starts_with("object.");
-        const Change one = is_of_object && key.ends_with(".iso")         ? Change::Iso
-                           : is_of_object || key.starts_with("quality.") ? Change::Load
-                           : key.starts_with("camera.")                  ? Change::Nothing
-                                                                         : Change::Look;
-        change = std::max(change, one);
-    }
+    for (const Animation& animation : scene.animations)
+        change = std::max(change, change_of_key(animation.key));
     return change;
 }
 

@@ -9,6 +9,8 @@ namespace isocast {
 /// What must be done anew for each frame, beside the camera; each includes those before.
 enum class Change { Nothing, Look, Iso, Load };
 Change change_of(const SceneFile& scene);
+/// Of one of its keys, by its full name.
+Change change_of_key(const std::string& key);
 
 /// The scene with its animations' numbers at frame `i` of `count`.
 SceneFile scene_at(const SceneFile& scene, int i, int count);

@@ -1,6 +1,7 @@
 // How the cost of a band grows with triangles, resolution and width (thesis tables 4.2 to 4.5).
 // SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/convert.h"
+#include "distance_transform/mesh_files.h"
 #include "distance_transform/sample_meshes.h"
 
 #include <fmt/format.h>
@@ -46,7 +47,8 @@ void print_row(const std::string& what, const Mesh& mesh, int resolution, double
 
 } // namespace
 
-int main() {
+/// Beside the built-in meshes, those of files.
+int main(int argc, char** argv) {
     fmt::print("Spheres; exact bands by scan conversion beside CSC (one thread, reference).\n");
     fmt::print("{:<28} {:>10} {:>12} {:>9} {:>8} {:>8} {:>9} {:>7}\n", "", "triangles", "samples",
                "scan s", "ns/samp.", "evals", "CSC s", "ratio");
@@ -59,4 +61,7 @@ int main() {
         print_row(fmt::format("resolution {}, band 0.1", resolution), sphere6, resolution, 0.1);
     for (const char* name : {"sphere6", "knot", "torus", "seashell"})
         print_row(fmt::format("{}, 256, band 0.1", name), sample_mesh(name), 256, 0.1);
+    for (int i = 1; i < argc; ++i)
+        print_row(fmt::format("{}, 256, band 0.1", std::filesystem::path(argv[i]).stem().string()),
+                  read_mesh(argv[i]), 256, 0.1);
 }

@@ -1,6 +1,7 @@
 // A window with a context, through GLFW.
 // SPDX-License-Identifier: MPL-2.0
 #include "gl/backends.h"
+#include "gl/window.h"
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
@@ -26,6 +27,7 @@ public:
         glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
         glfwWindowHint(GLFW_OPENGL_DEBUG_CONTEXT, reports_errors);
         glfwWindowHint(GLFW_VISIBLE, options.window_visible);
+        glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
         window_ = glfwCreateWindow(options.window_width, options.window_height,
                                    options.window_title.c_str(), nullptr, nullptr);
         try {
@@ -38,6 +40,8 @@ public:
     }
     ~WindowContext() override { glfwTerminate(); }
 
+    GLFWwindow* window() const { return window_; }
+
 private:
     void bind() override { glfwMakeContextCurrent(window_); }
     GetProc get_proc() const override { return glfwGetProcAddress; }
@@ -46,6 +50,10 @@ private:
 };
 
 } // namespace
+
+GLFWwindow* window_of(Context& context) {
+    return dynamic_cast<WindowContext&>(context).window();
+}
 
 std::unique_ptr<Context> make_window_context(const ContextOptions& options,
                                              std::vector<std::string>& failures) {

@@ -1,0 +1,93 @@
+// The picture in the window: coarse while something moves, whole when it rests, then smoother.
+// SPDX-License-Identifier: MPL-2.0
+#pragma once
+
+#include "apps/view/pace.h"
+
+#include <optional>
+
+namespace isocast::view {
+
+/// What one step drew.
+struct Step {
+    bool is_coarse = false;
+    PicturePart part; // of a picture of width x height
+    int width = 0;
+    int height = 0;
+    int round = 0;               // each is a sample more of every pixel, from 0
+    bool ends_round = false;     // it was the last part of the round
+    double milliseconds = 0;     // by the clock
+    FrameReport report = {};
+};
+
+/// Draws what a renderer has loaded, step by step; each leaves room for the user's input.
+class Canvas {
+public:
+    /// renderer       must outlive this, which decides what parts it keeps
+    /// shader_folder  the project's shaders/
+    Canvas(Renderer& renderer, const std::filesystem::path& shader_folder);
+
+    /// In pixels of the window's framebuffer; what was drawn is lost.
+    void resize(int width, int height);
+    int width() const { return image_.width(); }
+    int height() const { return image_.height(); }
+
+    /// Hits are others: all is drawn again. What is on the canvas stays until then.
+    void restart(const Camera& camera);
+    /// Only the look is another: the first round takes the hits that are kept.
+    void restart_look();
+    const Camera& camera() const { return camera_; }
+
+    /// The whole picture, with what can be drawn of it in that time.
+    ///
+    /// look  the scene's; less may be shown
+    Step draw_coarse(const Look& look, double target_milliseconds);
+    /// The next part, which takes about that time; nothing if all rounds are drawn.
+    ///
+    /// samples  of a pixel in the end, as in sample_shifts()
+    std::optional<Step> refine(const Look& look, double target_milliseconds, int samples);
+    /// Whether all samples are there.
+    bool is_complete(int samples) const;
+    /// Rounds that are complete: 0 while some of the canvas is coarse.
+    int complete_rounds() const { return round_; }
+
+    /// Into the window's own framebuffer, in sRGB.
+    void present();
+
+    /// Instead of the picture: how often each ray looked at the field, up to so many in red.
+    void show_steps(std::optional<int> most_steps);
+    bool shows_steps() const { return most_steps_.has_value(); }
+
+    const Pace& pace() const { return pace_; }
+
+private:
+    struct Part {
+        PicturePart part;
+        /// The sample whose hits are kept: of sample_shifts(), or -1, the pixels' middles.
+        int kept = -1;
+        int first = -1; // sample of the first round
+        /// One that starts in the middle of its pixels ends without that sample.
+        int rounds(int samples) const { return samples > 1 && first < 0 ? samples + 1 : samples; }
+    };
+    Step draw(const PicturePart& part, int width, int height);
+    void choose_parts(const Look& look, double target_milliseconds);
+    /// A box of what was drawn to a part of the canvas.
+    ///
+    /// weight  of it beside what is there
+    void copy(const PicturePart& drawn, const PicturePart& box, int width, int height,
+              double weight);
+
+    Renderer& renderer_;
+    gl::ShaderLibrary shaders_;
+    gl::VertexArray no_vertices_ = gl::VertexArray::without_attributes("canvas");
+    gl::Texture image_; // linear
+    gl::Framebuffer framebuffer_;
+    Camera camera_;
+    std::optional<int> most_steps_;
+    Pace pace_;
+    std::vector<Part> parts_; // none: they are to be chosen
+    std::size_t next_ = 0;    // part of the round
+    int round_ = 0;
+};
+
+} // namespace isocast::view

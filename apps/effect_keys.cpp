@@ -30,6 +30,8 @@ std::vector<SceneTable> surface_effects() {
         [](SceneFile & file, std::size_t) -> auto& { return file.look.effects.curvature_colour; });
     constexpr auto curvature_map = within(
         [](SceneFile & file, std::size_t) -> auto& { return file.look.effects.curvature_map; });
+    constexpr auto look_files =
+        within([](SceneFile& file, std::size_t) -> LookFiles& { return file.look_files; });
     constexpr auto uncertainty = within(
         [](SceneFile & file, std::size_t) -> auto& { return file.look.effects.uncertainty; });
     constexpr auto flow =
@@ -58,11 +60,17 @@ std::vector<SceneTable> surface_effects() {
                     "Across stripes and marble's veins, along wood's trunk"),
           colour("colour_a", solid_texture(&SolidTexture::colour_a), "One colour"),
           colour("colour_b", solid_texture(&SolidTexture::colour_b), "The other"),
-          special("volume", "file or field:NAME@N", "", "Of kind volume: 0 is colour_a, 1 colour_b",
-                  [](SceneFile& file, std::size_t, const SceneValue& value, const Path& folder) {
-                      file.look.effects.solid_texture.volume =
-                          read_field(input_from(resolved(text_of(value), folder)));
-                  }),
+          special(
+              "volume", "file or field:NAME@N", "Of kind volume: 0 is colour_a, 1 colour_b",
+              [](SceneFile& file, std::size_t, const SceneValue& value, const Path& folder) {
+                  const std::string path = resolved(text_of(value), folder);
+                  file.look.effects.solid_texture.volume = read_field(input_from(path));
+                  file.look_files.texture_volume = path;
+              },
+              [](const SceneFile& file, std::size_t, const Path& folder) {
+                  return path_value_of_read(file.look.effects.solid_texture.volume != nullptr,
+                                            file.look_files.texture_volume, folder);
+              }),
           choice("volume_filter", solid_texture(&SolidTexture::volume_filter),
                  Names<std::string>{{"bspline", "bspline"}, {"linear", "linear"}},
                  "How it is read")}},
@@ -81,16 +89,15 @@ std::vector<SceneTable> surface_effects() {
               "map", curvature_colour(&CurvatureColour::map),
               Names<ColourMap>{{"viridis", ColourMap::Viridis}, {"cool-warm", ColourMap::CoolWarm}},
               "Colours; unless said cool-warm for signed measures, viridis for curvedness"),
-          special("range", "[lo, hi]", "",
-                  "What the ends of the map stand for [1/world; gauss 1/world^2]; else the "
-                  "picture's percentiles",
-                  [](SceneFile& file, std::size_t, const SceneValue& value, const Path&) {
-                      file.look.effects.curvature_colour.range = interval_of(value);
-                  })}},
+          key("range", "[lo, hi]",
+              "What the ends of the map stand for [1/world; gauss 1/world^2]; else the "
+              "picture's percentiles",
+              curvature_colour(&CurvatureColour::range), interval_of)}},
         {"effects.curvature_map",
          "Both principal curvatures through a picture: k1 to the right, k2 upwards.",
          {strength(curvature_map(&CurvatureMap::strength)),
-          picture("picture", curvature_map(&CurvatureMap::picture), "Else a built-in one"),
+          picture("picture", curvature_map(&CurvatureMap::picture),
+                  look_files(&LookFiles::curvature_map), "Else a built-in one"),
           number("range", curvature_map(&CurvatureMap::range), positive,
                  "The picture goes from -range to range [1/world]")}},
         {"effects.uncertainty",

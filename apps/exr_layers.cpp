@@ -6,12 +6,24 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
 namespace isocast {
 
 namespace {
+
+using Known = std::pair<std::string_view, bool ExrLayers::*>;
+constexpr std::array<Known, 8> known_layers{{{"P", &ExrLayers::position},
+                                             {"N", &ExrLayers::normal},
+                                             {"curvature", &ExrLayers::curvature},
+                                             {"T", &ExrLayers::directions},
+                                             {"AO", &ExrLayers::occlusion},
+                                             {"shadow", &ExrLayers::shadow},
+                                             {"id", &ExrLayers::id},
+                                             {"steps", &ExrLayers::steps}}};
 
 Eigen::Matrix4d camera_from_world(const Camera& camera) {
     const Mat3d rotation = camera.view_from_world_rotation();
@@ -45,20 +57,23 @@ Eigen::Matrix4d ndc_from_camera(const Camera& camera, double aspect, double off_
 
 ExrLayers exr_layers_from(std::string_view list) {
     ExrLayers layers;
-    const std::map<std::string_view, bool*> known{
-        {"P", &layers.position},   {"N", &layers.normal},     {"curvature", &layers.curvature},
-        {"T", &layers.directions}, {"AO", &layers.occlusion}, {"shadow", &layers.shadow},
-        {"id", &layers.id},        {"steps", &layers.steps}};
     for (;;) {
         const auto comma = list.find(',');
-        const auto layer = known.find(list.substr(0, comma));
-        if (layer == known.end())
+        const auto layer = std::ranges::find(known_layers, list.substr(0, comma), &Known::first);
+        if (layer == known_layers.end())
             throw UsageError(fmt::format("unknown output '{}' (known: {})", list.substr(0, comma),
                                          exr_layer_names));
-        *layer->second = true;
+        layers.*layer->second = true;
         if (comma == std::string_view::npos) return layers;
         list.remove_prefix(comma + 1);
     }
+}
+
+std::vector<std::string> names_of(const ExrLayers& layers) {
+    std::vector<std::string> names;
+    for (const auto& [name, layer] : known_layers)
+        if (layers.*layer) names.emplace_back(name);
+    return names;
 }
 
 std::vector<FrameImage> images_of(const ExrLayers& layers) {

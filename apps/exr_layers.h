@@ -37,6 +37,8 @@ inline constexpr std::string_view exr_layer_names = "P, N, curvature, T, AO, sha
 /// Of exr_layer_names, joined by commas.
 /// throws  UsageError that lists them
 ExrLayers exr_layers_from(std::string_view list);
+/// The other way.
+std::vector<std::string> names_of(const ExrLayers& layers);
 
 /// The images, beside the beauty, that layers are made of.
 std::vector<FrameImage> images_of(const ExrLayers& layers);

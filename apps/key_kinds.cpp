@@ -8,6 +8,8 @@ namespace isocast::keys {
 
 namespace {
 
+using Path = std::filesystem::path;
+
 /// What a value is, for messages.
 std::string described(const SceneValue& value) {
     struct Describe {
@@ -23,6 +25,10 @@ std::string described(const SceneValue& value) {
         }
     };
     return std::visit(Describe{}, value);
+}
+
+bool is_builtin(const std::string& name) {
+    return name.starts_with("field:") || name.starts_with("mesh:");
 }
 
 [[noreturn]] void fail(const char* expected, const SceneValue& value) {
@@ -92,12 +98,33 @@ Vec3d colour_of(const SceneValue& value) {
     return colour;
 }
 
-std::string written(double value) {
-    return fmt::format("{}", value);
+Value value_of(const std::string& text) {
+    return text.empty() ? Value() : text;
 }
 
-std::string written(const Vec3d& value) {
-    return fmt::format("[{}, {}, {}]", value.x(), value.y(), value.z());
+Value value_of(const std::vector<std::string>& texts) {
+    return texts.empty() ? Value() : texts;
+}
+
+Value value_of(const Vec3d& vector) {
+    return std::vector<double>(vector.begin(), vector.end());
+}
+
+Value value_of(const std::array<double, 2>& interval) {
+    return std::vector<double>(interval.begin(), interval.end());
+}
+
+SceneKey special(std::string name, std::string type, std::string help, decltype(SceneKey::set) set,
+                 decltype(SceneKey::get) get, bool is_number) {
+    SceneFile fresh;
+    fresh.objects.resize(1);
+    fresh.camera_keys.resize(1);
+    fresh.animations.resize(1);
+    fresh.cut.planes.resize(1);
+    const Value initial = get(fresh, 0, {});
+    return {std::move(name), std::move(type), initial ? written(*initial) : "",
+            std::move(help), is_number,       std::move(set),
+            std::move(get)};
 }
 
 std::string Range::text() const {
@@ -117,9 +144,24 @@ double Range::checked(double value) const {
     return value;
 }
 
-std::string resolved(const std::string& name, const std::filesystem::path& folder) {
-    const bool is_builtin = name.starts_with("field:") || name.starts_with("mesh:");
-    return is_builtin ? name : (folder / name).string();
+std::string resolved(const std::string& name, const Path& folder) {
+    return is_builtin(name) ? name : (folder / name).string();
+}
+
+Value path_value(const std::string& path, const Path& folder) {
+    if (path.empty() || is_builtin(path)) return value_of(path);
+    // Links among the folders are followed, since .. means another folder behind one; the file
+    // itself may be a link that lies in the folder.
+    const Path file(path);
+    const auto found = [](const Path& of) { return weakly_canonical(absolute(of / ".")); };
+    const Path whole = found(file.parent_path()) / file.filename();
+    const Path relative = whole.lexically_relative(found(folder));
+    return (*relative.begin() == ".." ? whole : relative).string();
+}
+
+Value path_value_of_read(bool is_there, const std::string& path, const Path& folder) {
+    if (is_there && path.empty()) throw InputError("what is there is from no file");
+    return path_value(path, folder);
 }
 
 } // namespace isocast::keys

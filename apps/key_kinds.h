@@ -1,4 +1,4 @@
-// The kinds of keys: from a member of SceneFile to the key that sets it.
+// The kinds of keys: from a member of SceneFile to the key that sets and gets it.
 // SPDX-License-Identifier: MPL-2.0
 //
 // A place gives a member, of element i of an array: (SceneFile&, std::size_t i) -> Member&.
@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <array>
 #include <limits>
 #include <string_view>
 #include <utility>
@@ -42,44 +43,48 @@ Vec3d vector_of(const SceneValue& value);
 /// Three numbers >= 0, linear RGB; or "#rrggbb", sRGB.
 Vec3d colour_of(const SceneValue& value);
 
-/// As TOML writes it.
-std::string written(double value);
-std::string written(const Vec3d& value);
-inline std::string written(int value) {
-    return std::to_string(value);
+// From members to values; nothing where they are empty.
+using Value = std::optional<SceneValue>;
+inline Value value_of(double number) {
+    return number;
 }
-inline std::string written(bool value) {
-    return value ? "true" : "false";
+inline Value value_of(int integer) {
+    return std::int64_t{integer};
 }
-inline std::string written(const std::string& value) {
-    return value.empty() ? "" : fmt::format("\"{}\"", value);
+inline Value value_of(bool truth) {
+    return truth;
 }
-template<class Value>
-std::string written(const std::optional<Value>& value) {
-    return value ? written(*value) : "";
+Value value_of(const std::string& text);
+Value value_of(const std::vector<std::string>& texts);
+Value value_of(const Vec3d& vector);
+Value value_of(const std::array<double, 2>& interval);
+template<class Member>
+Value value_of(const std::optional<Member>& member) {
+    return member ? value_of(*member) : std::nullopt;
 }
 
-/// The value that a new scene has. Arrays have one element there.
+/// The member of a place, to be read.
 template<class Place>
-std::string initial(Place place) {
-    SceneFile scene;
-    scene.objects.resize(1);
-    scene.camera_keys.resize(1);
-    scene.animations.resize(1);
-    scene.cut.planes.resize(1);
-    return written(place(scene, std::size_t{0}));
+const auto& member_at(Place place, const SceneFile& scene, std::size_t i) {
+    return place(const_cast<SceneFile&>(scene), i); // places serve set and get; this is for get
 }
+
+/// A key whose values need more than their member: files, or two members. What it gets from a new
+/// scene is its initial value.
+SceneKey special(std::string name, std::string type, std::string help, decltype(SceneKey::set) set,
+                 decltype(SceneKey::get) get, bool is_number = false);
 
 template<class Place, class Parse>
 SceneKey key(std::string name, std::string type, std::string help, Place place, Parse parse,
              bool is_number = false) {
-    return {std::move(name),
-            std::move(type),
-            initial(place),
-            std::move(help),
-            is_number,
-            [place, parse](SceneFile& scene, std::size_t i, const SceneValue& value,
-                           const std::filesystem::path&) { place(scene, i) = parse(value); }};
+    return special(
+        std::move(name), std::move(type), std::move(help),
+        [place, parse](SceneFile& scene, std::size_t i, const SceneValue& value,
+                       const std::filesystem::path&) { place(scene, i) = parse(value); },
+        [place](const SceneFile& scene, std::size_t i, const std::filesystem::path&) {
+            return value_of(member_at(place, scene, i));
+        },
+        is_number);
 }
 
 /// Numbers between lo and hi.
@@ -142,8 +147,8 @@ SceneKey text(std::string name, Place place, std::string help) {
 }
 
 /// Names of values.
-template<class Value>
-using Names = std::vector<std::pair<std::string_view, Value>>;
+template<class Meaning>
+using Names = std::vector<std::pair<std::string_view, Meaning>>;
 
 /// The names that a function understands.
 template<class FromName>
@@ -154,8 +159,8 @@ auto names_by(FromName from_name, std::initializer_list<std::string_view> names)
 }
 
 /// throws  UsageError that lists the names
-template<class Value>
-Value named(const Names<Value>& names, const SceneValue& value) {
+template<class Meaning>
+Meaning named(const Names<Meaning>& names, const SceneValue& value) {
     const auto* integer = std::get_if<std::int64_t>(&value); // a name like 8 needs no quotes
     const std::string name = integer ? std::to_string(*integer) : text_of(value);
     std::vector<std::string_view> known;
@@ -166,46 +171,49 @@ Value named(const Names<Value>& names, const SceneValue& value) {
     throw UsageError(fmt::format("'{}' is not one of {}", name, fmt::join(known, ", ")));
 }
 
-template<class Place, class Value>
-SceneKey choice(std::string name, Place place, Names<Value> names, std::string help) {
+template<class Place, class Meaning>
+SceneKey choice(std::string name, Place place, Names<Meaning> names, std::string help) {
     std::vector<std::string> quoted;
     for (const auto& [word, meaning] : names) quoted.push_back(fmt::format("\"{}\"", word));
-    // What the member holds in a new scene, if anything.
-    SceneFile scene;
-    scene.objects.resize(1);
-    const auto now = std::optional<Value>(place(scene, std::size_t{0}));
-    std::string initial_name;
-    for (const auto& [word, meaning] : names)
-        if (now == meaning) initial_name = fmt::format("\"{}\"", word);
-    return {std::move(name),
-            fmt::format("{}", fmt::join(quoted, " | ")),
-            std::move(initial_name),
-            std::move(help),
-            false,
-            [place, names = std::move(names)](
-                SceneFile& target, std::size_t i, const SceneValue& value,
-                const std::filesystem::path&) { place(target, i) = named(names, value); }};
-}
-
-/// A key whose values need more than their member: files, or two members.
-inline SceneKey special(
-    std::string name, std::string type, std::string initial, std::string help,
-    std::function<void(SceneFile&, std::size_t, const SceneValue&, const std::filesystem::path&)>
-        set) {
-    return {std::move(name), std::move(type), std::move(initial),
-            std::move(help), false,           std::move(set)};
+    return special(
+        std::move(name), fmt::format("{}", fmt::join(quoted, " | ")), std::move(help),
+        [place, names](SceneFile& scene, std::size_t i, const SceneValue& value,
+                       const std::filesystem::path&) { place(scene, i) = named(names, value); },
+        [place, names](const SceneFile& scene, std::size_t i,
+                       const std::filesystem::path&) -> Value {
+            const std::optional<Meaning> now = member_at(place, scene, i);
+            for (const auto& [word, meaning] : names)
+                if (now && *now == meaning) return std::string(word);
+            return std::nullopt;
+        });
 }
 
 /// A path is relative to the folder, unless it is a built-in name.
 std::string resolved(const std::string& name, const std::filesystem::path& folder);
 
-template<class Place>
-SceneKey picture(std::string name, Place place, std::string help) {
-    return special(std::move(name), "file (.png, .exr)", "", std::move(help),
-                   [place](SceneFile& file, std::size_t i, const SceneValue& value,
-                           const std::filesystem::path& folder) {
-                       place(file, i) = read_picture(resolved(text_of(value), folder));
-                   });
+/// The other way: relative to the folder if it lies below.
+Value path_value(const std::string& path, const std::filesystem::path& folder);
+/// That of what was read from `path`.
+/// throws  InputError if something is there and no path
+Value path_value_of_read(bool is_there, const std::string& path,
+                         const std::filesystem::path& folder);
+
+/// path_place  of the path that the picture was read from
+template<class Place, class PathPlace>
+SceneKey picture(std::string name, Place place, PathPlace path_place, std::string help) {
+    return special(
+        std::move(name), "file (.png, .exr)", std::move(help),
+        [place, path_place](SceneFile& scene, std::size_t i, const SceneValue& value,
+                            const std::filesystem::path& folder) {
+            const std::string path = resolved(text_of(value), folder);
+            place(scene, i) = read_picture(path);
+            path_place(scene, i) = path;
+        },
+        [place, path_place](const SceneFile& scene, std::size_t i,
+                            const std::filesystem::path& folder) {
+            return path_value_of_read(!member_at(place, scene, i).rgba.empty(),
+                                      member_at(path_place, scene, i), folder);
+        });
 }
 
 } // namespace isocast::keys

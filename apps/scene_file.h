@@ -96,6 +96,13 @@ struct OutputSpec {
     int tile_pixels = 0; // the picture is drawn in tiles of that edge; 0: only if it is large
 };
 
+/// The files that parts of a look were read from.
+struct LookFiles {
+    std::string environment;
+    std::string curvature_map;
+    std::string texture_volume; // or a built-in name
+};
+
 struct SceneFile {
     std::filesystem::path path; // empty where a command alone says what is drawn
     std::vector<SceneObject> objects;
@@ -104,6 +111,7 @@ struct SceneFile {
     std::vector<CameraKey> camera_keys;
     bool has_smooth_path = true; // Catmull-Rom; else linear
     Look look;
+    LookFiles look_files;
     Cut cut;
     Quality quality;
     StorageOptions storage;
@@ -122,6 +130,18 @@ struct SceneFile {
 /// All that a TOML file says. Fields and meshes are only looked for; pictures are read.
 /// throws  InputError with file, line and column of every problem
 SceneFile read_scene_file(const std::filesystem::path& path);
+
+/// The other way: TOML that read_scene_file makes the same scene of, with what differs from a new
+/// scene alone.
+///
+/// folder  of the file; paths are relative to it where they lie below it, else absolute
+/// throws  InputError for what no file can say: a picture or a volume that is from none, text that
+///         is not UTF-8
+std::string scene_text(const SceneFile& scene, const std::filesystem::path& folder);
+/// The file appears whole or not at all.
+/// throws  InputError as scene_text and if the folder does not exist; ResourceError if it cannot be
+///         written
+void write_scene_file(const SceneFile& scene, const std::filesystem::path& path);
 
 /// Sets a key as a command line does: "effects.contours.strength=1", "light.0.shadow=soft", or
 /// "light.shadow" for the first. Values are TOML's, or a bare word. Paths are relative to the

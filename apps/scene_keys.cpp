@@ -21,28 +21,33 @@ constexpr Range guarantee{1e-4, 1};
 // 64: beyond 512 fine samples per voxel float positions do not resolve them.
 constexpr Range rate{0, 64, true};
 
+/// What gets the path of an object.
+auto path_of(std::string SceneObject::*member) {
+    return [member](const SceneFile& scene, std::size_t i, const Path& folder) {
+        return path_value(scene.objects[i].*member, folder);
+    };
+}
+
 /// Something that exists; it is read when it is drawn.
 ///
 /// what  as Input::what() says
 SceneKey input(std::string name, std::string SceneObject::*member, std::string_view what,
                std::string type, std::string help) {
-    return special(std::move(name), std::move(type), "", std::move(help),
-                   [member, what](SceneFile& scene, std::size_t i, const SceneValue& value,
-                                  const Path& folder) {
-                       const std::string path = resolved(text_of(value), folder);
-                       if (const Input found = input_from(path); found.what() != what)
-                           throw InputError(
-                               fmt::format("{} is {}, not {}", path, found.what(), what));
-                       scene.objects[i].*member = path;
-                   });
+    return special(
+        std::move(name), std::move(type), std::move(help),
+        [member, what](SceneFile& scene, std::size_t i, const SceneValue& value,
+                       const Path& folder) {
+            const std::string path = resolved(text_of(value), folder);
+            if (const Input found = input_from(path); found.what() != what)
+                throw InputError(fmt::format("{} is {}, not {}", path, found.what(), what));
+            scene.objects[i].*member = path;
+        },
+        path_of(member));
 }
 
 template<class Place>
 SceneKey texts(std::string name, Place place, std::string help) {
-    return special(std::move(name), "[\"name\", ...]", "", std::move(help),
-                   [place](SceneFile& scene, std::size_t i, const SceneValue& value, const Path&) {
-                       place(scene, i) = texts_of(value);
-                   });
+    return key(std::move(name), "[\"name\", ...]", std::move(help), place, texts_of);
 }
 
 Names<Filter> filters() {
@@ -68,19 +73,24 @@ SceneTable camera_table() {
                 "Vertical angle of view [degrees], 30 unless said"),
          number("height", camera(&CameraSpec::height_world), positive,
                 "Orthographic: the picture's height [world]"),
-         special("stereo", "number above 0, or \"auto\"", "",
-                 "A pair of pictures, for eyes so far apart [world], or 1/30 of the target's "
-                 "distance; what is as far away as the target is in the same place of both. PNG: "
-                 "side by side; OpenEXR: the views left and right",
-                 [](SceneFile& file, std::size_t, const SceneValue& value, const Path&) {
-                     const auto* text = std::get_if<std::string>(&value);
-                     if (text && *text != "auto")
-                         throw UsageError(fmt::format("'{}' is neither a number nor auto", *text));
-                     file.camera.is_stereo = true;
-                     file.camera.eye_separation_world.reset();
-                     if (!text)
-                         file.camera.eye_separation_world = positive.checked(number_of(value));
-                 }),
+         special(
+             "stereo", "number above 0, or \"auto\"",
+             "A pair of pictures, for eyes so far apart [world], or 1/30 of the target's "
+             "distance; what is as far away as the target is in the same place of both. PNG: "
+             "side by side; OpenEXR: the views left and right",
+             [](SceneFile& file, std::size_t, const SceneValue& value, const Path&) {
+                 const auto* text = std::get_if<std::string>(&value);
+                 if (text && *text != "auto")
+                     throw UsageError(fmt::format("'{}' is neither a number nor auto", *text));
+                 file.camera.is_stereo = true;
+                 file.camera.eye_separation_world.reset();
+                 if (!text) file.camera.eye_separation_world = positive.checked(number_of(value));
+             },
+             [](const SceneFile& file, std::size_t, const Path&) {
+                 const std::optional<double>& separation = file.camera.eye_separation_world;
+                 if (!file.camera.is_stereo || separation) return value_of(separation);
+                 return Value("auto");
+             }),
          number("turntable", scene(&SceneFile::turntable_degrees), {},
                 "Over a sequence the camera goes round the target's upward axis by so many "
                 "degrees; 360 makes a loop"),
@@ -167,18 +177,20 @@ SceneTable object_table() {
          texts("morph", object(&SceneObject::morph), "Names of two objects that `t` blends"),
          number("t", object(&SceneObject::t), share,
                 "0: the first object of `morph`, 1: the second"),
-         special("series", "file name with #", "",
-                 "Fields in time, like \"field_####.vdb\": the run of # stands for a number of at "
-                 "least so many digits, as %04d does",
-                 [](SceneFile& file, std::size_t i, const SceneValue& value, const Path& folder) {
-                     const std::string name = text_of(value);
-                     if (!is_series(name))
-                         throw UsageError(fmt::format("'{}' has no single run of #", name));
-                     if (!is_field_file(name))
-                         throw UsageError(fmt::format("'{}' names no field files ({})", name,
-                                                      field_file_extensions()));
-                     file.objects[i].series = resolved(name, folder);
-                 }),
+         special(
+             "series", "file name with #",
+             "Fields in time, like \"field_####.vdb\": the run of # stands for a number of at "
+             "least so many digits, as %04d does",
+             [](SceneFile& file, std::size_t i, const SceneValue& value, const Path& folder) {
+                 const std::string name = text_of(value);
+                 if (!is_series(name))
+                     throw UsageError(fmt::format("'{}' has no single run of #", name));
+                 if (!is_field_file(name))
+                     throw UsageError(fmt::format("'{}' names no field files ({})", name,
+                                                  field_file_extensions()));
+                 file.objects[i].series = resolved(name, folder);
+             },
+             path_of(&SceneObject::series)),
          number("time", object(&SceneObject::time), {},
                 "A number of `series`, or between two: their fields are blended; the first unless "
                 "said"),
@@ -220,19 +232,21 @@ SceneTable object_table() {
          truth("waters", atoms(&MoleculeOptions::waters), "Molecules: whether water is shown"),
          text("selection", atoms(&MoleculeOptions::selection),
               "Molecules: chains and residues, like \"A,B:10-50\"; all unless said"),
-         special("points", "file", "",
-                 "Points from .csv or .ply with columns x, y, z and perhaps radius; red, green, "
-                 "blue (to 255) or r, g, b (to 1); txx, tyy, tzz, txy, txz, tyz of a tensor, which "
-                 "is shown as a glyph",
-                 [](SceneFile& file, std::size_t i, const SceneValue& value, const Path& folder) {
-                     const std::string path = resolved(text_of(value), folder);
-                     if (!is_point_file(path))
-                         throw UsageError(fmt::format("'{}' is no file of points ({})", path,
-                                                      point_file_extensions()));
-                     if (!std::filesystem::exists(path))
-                         throw InputError(fmt::format("{}: no such file", path));
-                     file.objects[i].points = path;
-                 }),
+         special(
+             "points", "file",
+             "Points from .csv or .ply with columns x, y, z and perhaps radius; red, green, "
+             "blue (to 255) or r, g, b (to 1); txx, tyy, tzz, txy, txz, tyz of a tensor, which "
+             "is shown as a glyph",
+             [](SceneFile& file, std::size_t i, const SceneValue& value, const Path& folder) {
+                 const std::string path = resolved(text_of(value), folder);
+                 if (!is_point_file(path))
+                     throw UsageError(fmt::format("'{}' is no file of points ({})", path,
+                                                  point_file_extensions()));
+                 if (!std::filesystem::exists(path))
+                     throw InputError(fmt::format("{}: no such file", path));
+                 file.objects[i].points = path;
+             },
+             path_of(&SceneObject::points)),
          number("radius", point_look(&PointLook::radius_world), positive,
                 "Points: of those without a column `radius`"),
          number("radius_pixels", point_look(&PointLook::radius_pixels), positive,
@@ -305,18 +319,26 @@ SceneTable shading_table() {
                 "Gooch: of the surface colour in the cool tone"),
          number("warm_share", tones(&GoochTones::warm_share), share, "... in the warm tone"),
          colour("background", look(&Look::background), "Where nothing is hit"),
-         special("environment", "\"sky\" | \"stripes\" | file (.png, .exr)", "\"sky\"",
-                 "Light from all directions, for reflection, refraction and the background; "
-                 "pictures are equirectangular",
-                 [](SceneFile& file, std::size_t, const SceneValue& value, const Path& folder) {
-                     const std::string name = text_of(value);
-                     Environment& around = file.look.environment;
-                     around.kind = name == "sky"       ? Kind::Sky
-                                   : name == "stripes" ? Kind::Stripes
-                                                       : Kind::Picture;
-                     if (around.kind == Kind::Picture)
-                         around.picture = read_picture(resolved(name, folder));
-                 }),
+         special(
+             "environment", "\"sky\" | \"stripes\" | file (.png, .exr)",
+             "Light from all directions, for reflection, refraction and the background; "
+             "pictures are equirectangular",
+             [](SceneFile& file, std::size_t, const SceneValue& value, const Path& folder) {
+                 const std::string name = text_of(value);
+                 Environment& around = file.look.environment;
+                 around.kind = name == "sky"       ? Kind::Sky
+                               : name == "stripes" ? Kind::Stripes
+                                                   : Kind::Picture;
+                 if (around.kind != Kind::Picture) return;
+                 const std::string path = resolved(name, folder);
+                 around.picture = read_picture(path);
+                 file.look_files.environment = path;
+             },
+             [](const SceneFile& file, std::size_t, const Path& folder) -> Value {
+                 const Kind kind = file.look.environment.kind;
+                 if (kind != Kind::Picture) return kind == Kind::Sky ? "sky" : "stripes";
+                 return path_value_of_read(true, file.look_files.environment, folder);
+             }),
          integer("stripes", environment(&Environment::stripes), {1, 1000},
                  "How many the built-in environment has from pole to pole"),
          truth("show_environment", look(&Look::shows_environment), "As the background")}};
@@ -360,33 +382,38 @@ SceneTable quality_table() {
          choice("storage", storage(&StorageOptions::format),
                 names_by(sample_format_from_name, {"float32", "float16", "norm16"}),
                 "Samples on the GPU"),
-         special("fetch", "\"auto\" | \"rows\" | \"samples\" | \"linear\"", "\"auto\"",
-                 "How shaders read samples; auto: the fastest",
-                 [](SceneFile& file, std::size_t, const SceneValue& value, const Path&) {
-                     file.fetch = named(Names<std::optional<Fetch>>{{"auto", std::nullopt},
-                                                                    {"rows", Fetch::Rows},
-                                                                    {"samples", Fetch::Samples},
-                                                                    {"linear", Fetch::Linear}},
-                                        value);
-                 }),
+         choice("fetch", scene(&SceneFile::fetch),
+                Names<std::optional<Fetch>>{{"auto", std::nullopt},
+                                            {"rows", Fetch::Rows},
+                                            {"samples", Fetch::Samples},
+                                            {"linear", Fetch::Linear}},
+                "How shaders read samples; auto: the fastest"),
          choice("brick_size", storage(&StorageOptions::brick_size),
                 names_by(brick_size_from_name, {"8", "16", "32", "none"}),
                 "Cells along the edge of a brick"),
-         special("texture_memory", "number above 0", "1024",
-                 "Most memory for samples on the GPU [MiB]",
-                 [](SceneFile& file, std::size_t, const SceneValue& value, const Path&) {
-                     const double mib = Range{0, 1 << 20, true}.checked(number_of(value));
-                     file.storage.budget_bytes = static_cast<std::int64_t>(mib * (1 << 20));
-                 }),
+         special(
+             "texture_memory", "number above 0", "Most memory for samples on the GPU [MiB]",
+             [](SceneFile& file, std::size_t, const SceneValue& value, const Path&) {
+                 const double mib = Range{0, 1 << 20, true}.checked(number_of(value));
+                 file.storage.budget_bytes = static_cast<std::int64_t>(mib * (1 << 20));
+             },
+             [](const SceneFile& file, std::size_t, const Path&) {
+                 return value_of(static_cast<double>(file.storage.budget_bytes) / (1 << 20));
+             }),
          choice("over_budget", storage(&StorageOptions::over_budget),
                 names_by(over_budget_from_name, {"stream", "coarsen"}),
                 "Beyond that: load samples as rays ask, or halve the resolution where that shows "
                 "least"),
-         special("max_memory", "text, like \"8G\" or \"500M\"", "",
-                 "For fields' samples; half of what is available unless said",
-                 [](SceneFile& file, std::size_t, const SceneValue& value, const Path&) {
-                     file.memory_bytes = bytes_from(text_of(value));
-                 })}};
+         special(
+             "max_memory", "text, like \"8G\" or \"500M\"",
+             "For fields' samples; half of what is available unless said",
+             [](SceneFile& file, std::size_t, const SceneValue& value, const Path&) {
+                 file.memory_bytes = bytes_from(text_of(value));
+             },
+             [](const SceneFile& file, std::size_t, const Path&) {
+                 return file.memory_bytes ? value_of(fmt::format("{}", *file.memory_bytes))
+                                          : std::nullopt;
+             })}};
 }
 
 SceneTable output_table() {
@@ -395,17 +422,20 @@ SceneTable output_table() {
     return {
         "output",
         "What is made of it.",
-        {special("size", "\"WxH\"", "\"1024x1024\"", "Width and height [pixels]",
-                 [](SceneFile& file, std::size_t, const SceneValue& value, const Path&) {
-                     const PictureSize size = size_from(text_of(value));
-                     file.output.width = size.width;
-                     file.output.height = size.height;
-                 }),
-         special("samples", "1 | 2 | 4 | 8 | 16 | 32 | 64", "1",
-                 "Rays through each pixel; other outputs than the picture have one, in its middle",
-                 [](SceneFile& file, std::size_t, const SceneValue& value, const Path&) {
-                     file.output.samples = samples_from(integer_of(value));
-                 }),
+        {special(
+             "size", "\"WxH\"", "Width and height [pixels]",
+             [](SceneFile& file, std::size_t, const SceneValue& value, const Path&) {
+                 const PictureSize size = size_from(text_of(value));
+                 file.output.width = size.width;
+                 file.output.height = size.height;
+             },
+             [](const SceneFile& file, std::size_t, const Path&) {
+                 return value_of(fmt::format("{}x{}", file.output.width, file.output.height));
+             }),
+         key("samples", "1 | 2 | 4 | 8 | 16 | 32 | 64",
+             "Rays through each pixel; other outputs than the picture have one, in its middle",
+             output(&OutputSpec::samples),
+             [](const SceneValue& value) { return samples_from(integer_of(value)); }),
          choice("pixel_filter", output(&OutputSpec::pixel_filter),
                 Names<PixelFilter>{{"box", PixelFilter::Box}, {"tent", PixelFilter::Tent}},
                 "Over a pixel's width, or over two pixels' with falling weight"),
@@ -413,21 +443,30 @@ SceneTable output_table() {
                "PNG with alpha; an OpenEXR has it anyway, unless it shows the environment"),
          truth("beauty", output(&OutputSpec::has_beauty),
                "The shaded picture; an OpenEXR can do without"),
-         special("aov", "text or list of texts", "",
-                 fmt::format("More channels for an OpenEXR: {}", exr_layer_names),
-                 [](SceneFile& file, std::size_t, const SceneValue& value, const Path&) {
-                     const auto* list = std::get_if<std::vector<std::string>>(&value);
-                     file.output.layers = exr_layers_from(
-                         list ? fmt::format("{}", fmt::join(*list, ",")) : text_of(value));
-                 }),
-         special("frames", "integer, or \"A..B\"", "",
-                 "Makes a sequence: so many frames from 0, or those from A to B; the output's name "
-                 "then holds %d or %04d",
-                 [](SceneFile& file, std::size_t, const SceneValue& value, const Path&) {
-                     const auto* count = std::get_if<std::int64_t>(&value);
-                     file.output.frames =
-                         frames_from(count ? std::to_string(*count) : text_of(value));
-                 }),
+         special(
+             "aov", "text or list of texts",
+             fmt::format("More channels for an OpenEXR: {}", exr_layer_names),
+             [](SceneFile& file, std::size_t, const SceneValue& value, const Path&) {
+                 const auto* list = std::get_if<std::vector<std::string>>(&value);
+                 file.output.layers = exr_layers_from(
+                     list ? fmt::format("{}", fmt::join(*list, ",")) : text_of(value));
+             },
+             [](const SceneFile& file, std::size_t, const Path&) {
+                 return value_of(names_of(file.output.layers.value_or(ExrLayers{})));
+             }),
+         special(
+             "frames", "integer, or \"A..B\"",
+             "Makes a sequence: so many frames from 0, or those from A to B; the output's name "
+             "then holds %d or %04d",
+             [](SceneFile& file, std::size_t, const SceneValue& value, const Path&) {
+                 const auto* count = std::get_if<std::int64_t>(&value);
+                 file.output.frames = frames_from(count ? std::to_string(*count) : text_of(value));
+             },
+             [](const SceneFile& file, std::size_t, const Path&) {
+                 const auto& frames = file.output.frames;
+                 return frames ? value_of(fmt::format("{}..{}", frames->first, frames->last))
+                               : std::nullopt;
+             }),
          integer("tile", output(&OutputSpec::tile_pixels), {0, 1 << 14},
                  "Draw in tiles of that edge [pixels], for less memory; 0: only large pictures")}};
 }

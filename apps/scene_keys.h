@@ -1,10 +1,11 @@
-// The one table of a scene's keys: it drives parsing, --set, errors and docs/scenes.md.
+// The one table of a scene's keys: it drives parsing, saving, --set, errors and docs/scenes.md.
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
 #include "apps/scene_file.h"
 
 #include <functional>
+#include <optional>
 #include <variant>
 
 namespace isocast {
@@ -27,6 +28,13 @@ struct SceneKey {
     std::function<void(SceneFile&, std::size_t i, const SceneValue&,
                        const std::filesystem::path& folder)>
         set;
+    /// What `set` takes to make element `i` as it is; nothing where nothing is said of it.
+    ///
+    /// folder  that paths are written relative to where they lie below it
+    /// throws  InputError for what was put into the scene without the file that it is from
+    std::function<std::optional<SceneValue>(const SceneFile&, std::size_t i,
+                                            const std::filesystem::path& folder)>
+        get;
 };
 
 /// A table of a scene file, or an array of such.
@@ -52,6 +60,9 @@ std::string header_of(const SceneTable& table);
 
 /// "eye, target, up": what a message lists.
 std::string known_keys(const SceneTable& table);
+
+/// As TOML writes it; numbers with as many digits as give them back.
+std::string written(const SceneValue& value);
 
 /// The reference of docs/scenes.md, in Markdown.
 std::string scene_reference();

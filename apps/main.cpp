@@ -53,6 +53,7 @@ int run(int argc, char** argv, Console& console) {
     program.require_subcommand(0, 1);
     const std::array verbs{convert_verb(program, shader_folders(), data_folders()),
                            render_verb(program, shader_folders(), data_folders()),
+                           view_verb(program, shader_folders()),
                            info_verb(program),
                            accuracy_verb(program, shader_folders(), data_folders()),
                            sample_verb(program),
@@ -71,7 +72,7 @@ int run(int argc, char** argv, Console& console) {
             verb.run(console);
             return Ok;
         }
-    throw UsageError("a verb is needed: convert, render, info, accuracy, sample or selftest");
+    throw UsageError("a verb is needed: convert, render, view, info, accuracy, sample or selftest");
 }
 
 int run_and_report(int argc, char** argv, Console& console) {

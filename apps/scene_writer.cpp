@@ -12,6 +12,11 @@ namespace isocast {
 
 namespace {
 
+std::string digits(double number) {
+    const std::string text = fmt::format("{}", number);
+    return text == "-0" ? "-0.0" : text; // as an integer it would lose its sign
+}
+
 /// toml++ would write a byte that is not UTF-8 as another letter.
 std::string quoted(const std::string& text) {
     std::string out = "\"";
@@ -23,6 +28,13 @@ std::string quoted(const std::string& text) {
         else
             out += c;
     return out + '"';
+}
+
+template<class Element, class Write>
+std::string list(const std::vector<Element>& elements, Write write) {
+    std::vector<std::string> all;
+    for (const Element& element : elements) all.push_back(write(element));
+    return fmt::format("[{}]", fmt::join(all, ", "));
 }
 
 /// The keys of an element that differ from a new one's, a line for each.
@@ -52,15 +64,13 @@ std::string written(const SceneValue& value) {
     struct Write {
         std::string operator()(bool truth) const { return truth ? "true" : "false"; }
         std::string operator()(std::int64_t integer) const { return std::to_string(integer); }
-        std::string operator()(double number) const { return fmt::format("{}", number); }
+        std::string operator()(double number) const { return digits(number); }
         std::string operator()(const std::string& text) const { return quoted(text); }
         std::string operator()(const std::vector<double>& numbers) const {
-            return fmt::format("[{}]", fmt::join(numbers, ", "));
+            return list(numbers, digits);
         }
         std::string operator()(const std::vector<std::string>& texts) const {
-            std::vector<std::string> all;
-            for (const std::string& text : texts) all.push_back(quoted(text));
-            return fmt::format("[{}]", fmt::join(all, ", "));
+            return list(texts, quoted);
         }
     };
     return std::visit(Write{}, value);

@@ -222,6 +222,9 @@ TEST_F(SceneText, NumbersComeBackToTheLastBit) {
     const SceneFile read = again(scene);
     ASSERT_EQ(read.animations.size(), numbers.size());
     for (std::size_t i = 0; i < numbers.size(); ++i) EXPECT_EQ(read.animations[i].from, numbers[i]);
+    scene.camera.eye_world = Vec3d(-0.0, 0, -1);
+    const Vec3d eye = again(scene).camera.eye_world.value();
+    EXPECT_TRUE(std::signbit(eye.x()) && !std::signbit(eye.y()));
 }
 
 TEST_F(SceneText, AViewersCameraComesBackToTheLastBit) {

@@ -15,8 +15,9 @@ namespace {
 
 constexpr std::size_t most_parts = 48;
 
-const gl::ProgramKey copy_program{{"view/triangle.vert", "view/copy.frag"}, {}};
-const gl::ProgramKey present_program{{"view/triangle.vert", "view/present.frag"}, {}};
+gl::ProgramKey copy_program(bool is_shown) {
+    return {{"view/triangle.vert", "view/copy.frag"}, {{"IS_SHOWN", is_shown ? "1" : "0"}}};
+}
 
 } // namespace
 
@@ -26,11 +27,18 @@ Canvas::Canvas(Renderer& renderer, const std::filesystem::path& shader_folder)
 }
 
 void Canvas::resize(int width, int height) {
+    // Old textures go first, so that they and the new are never both in memory.
     framebuffer_ = {};
+    shown_framebuffer_ = {};
+    coarse_framebuffer_ = {};
     image_ = {};
+    shown_ = {};
+    coarse_ = {};
     image_ = gl::Texture::image(gl::Format::Rgba32f, width, height, "canvas");
     framebuffer_ = gl::Framebuffer({&image_}, "canvas");
-    framebuffer_.bind();
+    shown_ = gl::Texture::image(gl::Format::Rgba8, width, height, "shown");
+    shown_framebuffer_ = gl::Framebuffer({&shown_}, "shown");
+    shown_framebuffer_.bind();
     constexpr std::array<float, 4> grey{0.2F, 0.2F, 0.2F, 1};
     glClearBufferfv(GL_COLOR, 0, grey.data());
     restart(camera_);
@@ -70,7 +78,7 @@ Step Canvas::draw_coarse(const Look& look, double target_milliseconds) {
     const PicturePart whole{.width = coarse_width, .height = coarse_height};
     Step step = draw(whole, coarse_width, coarse_height);
     step.is_coarse = true;
-    copy(whole, whole, coarse_width, coarse_height, 1);
+    show_coarse();
     parts_.clear();
     next_ = 0;
     round_ = 0;
@@ -98,6 +106,11 @@ bool Canvas::is_complete(int samples) const {
 
 std::optional<Step> Canvas::refine(const Look& look, double target_milliseconds, int samples) {
     if (is_complete(samples)) return std::nullopt;
+    if (!coarse_.is_empty()) { // until parts take its place
+        blit(coarse_, coarse_framebuffer_, shown_framebuffer_.id(), 0, 0);
+        coarse_framebuffer_ = {};
+        coarse_ = {};
+    }
     if (renderer_.look() != look) renderer_.set_look(look);
     if (parts_.empty()) choose_parts(look, target_milliseconds);
     while (round_ >= parts_[next_].rounds(samples)) next_ = (next_ + 1) % parts_.size();
@@ -105,16 +118,15 @@ std::optional<Step> Canvas::refine(const Look& look, double target_milliseconds,
     const bool has_middle = part.first < 0;
     const int sample = has_middle ? round_ - 1 : (part.first + round_) % samples;
     const int count = has_middle ? std::max(round_, 1) : round_ + 1;
-    PicturePart drawn = with_reach(part.part, reach_pixels(look), width(), height());
+    PicturePart around = with_reach(part.part, reach_pixels(look), width(), height());
     if (sample >= 0)
-        drawn.shift = sample_shifts(samples, PixelFilter::Box)[static_cast<std::size_t>(sample)];
+        around.shift = sample_shifts(samples, PixelFilter::Box)[static_cast<std::size_t>(sample)];
     part.kept = sample;
-    Step step = draw(drawn, width(), height());
-    copy(drawn, part.part, width(), height(), 1.0 / count);
+    Step step = draw(around, width(), height());
+    add(around, part.part, 1.0 / count);
     step.part = part.part;
     step.round = round_;
-    do
-        ++next_;
+    do ++next_;
     while (next_ < parts_.size() && round_ >= parts_[next_].rounds(samples));
     if (next_ == parts_.size()) {
         next_ = 0;
@@ -124,24 +136,16 @@ std::optional<Step> Canvas::refine(const Look& look, double target_milliseconds,
     return step;
 }
 
-void Canvas::copy(const PicturePart& drawn, const PicturePart& box, int width, int height,
-                  double weight) {
-    const gl::Program& program = shaders_.program(copy_program);
-    renderer_.texture(most_steps_ ? FrameImage::Steps : FrameImage::Beauty).bind_to_unit(0);
-    // Pictures have their first row at the top, textures at the bottom.
-    const Eigen::Vector2d scale(double(width) / this->width(), double(height) / this->height());
-    const Eigen::Vector2d origin(box.x, height - box.y - box.height);
-    const Eigen::Vector2d to = origin.cwiseQuotient(scale);
-    const Eigen::Vector2d from =
-        origin - Eigen::Vector2d(drawn.x, height - drawn.y - drawn.height);
-    program.set("u_to_origin", Eigen::Vector2f(to.cast<float>()));
-    program.set("u_from_origin", Eigen::Vector2f(from.cast<float>()));
-    program.set("u_from_size", Eigen::Vector2f(float(box.width), float(box.height)));
-    program.set("u_scale", Eigen::Vector2f(scale.cast<float>()));
-    program.set("u_most_steps", static_cast<float>(most_steps_.value_or(0)));
-    framebuffer_.bind();
-    glViewport(int(std::lround(to.x())), int(std::lround(to.y())),
-               int(std::lround(box.width / scale.x())), int(std::lround(box.height / scale.y())));
+void Canvas::copy(const gl::Texture& from, const Eigen::Vector2i& from_corner,
+                  const gl::Framebuffer& to, const Eigen::Vector2i& corner,
+                  const Eigen::Vector2i& size, bool is_shown, double weight) {
+    const gl::Program& program = shaders_.program(copy_program(is_shown));
+    from.bind_to_unit(0);
+    program.set("u_from_to", Eigen::Vector2i(from_corner - corner));
+    const bool has_steps = most_steps_ && &from != &image_;
+    program.set("u_most_steps", has_steps ? static_cast<float>(*most_steps_) : 0.0F);
+    to.bind();
+    glViewport(corner.x(), corner.y(), size.x(), size.y());
     set_fixed_state();
     if (weight < 1) {
         glEnable(GL_BLEND);
@@ -155,15 +159,40 @@ void Canvas::copy(const PicturePart& drawn, const PicturePart& box, int width, i
     glDisable(GL_BLEND);
 }
 
-void Canvas::present() {
-    const gl::Program& program = shaders_.program(present_program);
-    image_.bind_to_unit(0);
-    glBindFramebuffer(GL_FRAMEBUFFER, 0);
-    glViewport(0, 0, width(), height());
-    set_fixed_state();
-    no_vertices_.bind();
-    program.use();
-    glDrawArrays(GL_TRIANGLES, 0, 3);
+const gl::Texture& Canvas::drawn() const {
+    return renderer_.texture(most_steps_ ? FrameImage::Steps : FrameImage::Beauty);
+}
+
+void Canvas::show_coarse() {
+    const gl::Texture& from = drawn();
+    coarse_framebuffer_ = {};
+    coarse_ = {};
+    coarse_ = gl::Texture::image(gl::Format::Rgba8, from.width(), from.height(), "coarse");
+    coarse_framebuffer_ = gl::Framebuffer({&coarse_}, "coarse");
+    copy(from, {0, 0}, coarse_framebuffer_, {0, 0}, {from.width(), from.height()}, true, 1);
+}
+
+void Canvas::add(const PicturePart& around, const PicturePart& part, double weight) {
+    // Pictures have their first row at the top, textures at the bottom.
+    const Eigen::Vector2i corner(part.x, height() - part.y - part.height);
+    const Eigen::Vector2i in_drawn(part.x - around.x,
+                                   around.y + around.height - part.y - part.height);
+    const Eigen::Vector2i size(part.width, part.height);
+    copy(drawn(), in_drawn, framebuffer_, corner, size, false, weight);
+    copy(image_, corner, shown_framebuffer_, corner, size, true, 1);
+}
+
+void Canvas::blit(const gl::Texture& from, const gl::Framebuffer& from_framebuffer, unsigned to,
+                  int x, int y) const {
+    glBlitNamedFramebuffer(from_framebuffer.id(), to, 0, 0, from.width(), from.height(), x, y,
+                           x + width(), y + height(), GL_COLOR_BUFFER_BIT, GL_LINEAR);
+}
+
+void Canvas::present(int x, int y) const {
+    if (coarse_.is_empty())
+        blit(shown_, shown_framebuffer_, 0, x, y);
+    else
+        blit(coarse_, coarse_framebuffer_, 0, x, y);
 }
 
 void Canvas::show_steps(std::optional<int> most_steps) {

@@ -14,9 +14,9 @@ struct Step {
     PicturePart part; // of a picture of width x height
     int width = 0;
     int height = 0;
-    int round = 0;               // each is a sample more of every pixel, from 0
-    bool ends_round = false;     // it was the last part of the round
-    double milliseconds = 0;     // by the clock
+    int round = 0;           // each is a sample more of every pixel, from 0
+    bool ends_round = false; // it was the last part of the round
+    double milliseconds = 0; // by the clock
     FrameReport report = {};
 };
 
@@ -51,8 +51,8 @@ public:
     /// Rounds that are complete: 0 while some of the canvas is coarse.
     int complete_rounds() const { return round_; }
 
-    /// Into the window's own framebuffer, in sRGB.
-    void present();
+    /// Into the window's own framebuffer, from (x, y) on its bottom left, in sRGB.
+    void present(int x, int y) const;
 
     /// Instead of the picture: how often each ray looked at the field, up to so many in red.
     void show_steps(std::optional<int> most_steps);
@@ -71,17 +71,32 @@ private:
     };
     Step draw(const PicturePart& part, int width, int height);
     void choose_parts(const Look& look, double target_milliseconds);
-    /// A box of what was drawn to a part of the canvas.
+    /// What the renderer drew last.
+    const gl::Texture& drawn() const;
+    void show_coarse();
+    /// What was drawn of `around` to the part's place.
     ///
     /// weight  of it beside what is there
-    void copy(const PicturePart& drawn, const PicturePart& box, int width, int height,
-              double weight);
+    void add(const PicturePart& around, const PicturePart& part, double weight);
+    /// Corners at the bottom left.
+    ///
+    /// is_shown  as the window shows it; else linear
+    void copy(const gl::Texture& from, const Eigen::Vector2i& from_corner,
+              const gl::Framebuffer& to, const Eigen::Vector2i& corner, const Eigen::Vector2i& size,
+              bool is_shown, double weight);
+    /// Enlarged to the canvas's size, from (x, y) on.
+    void blit(const gl::Texture& from, const gl::Framebuffer& from_framebuffer, unsigned to, int x,
+              int y) const;
 
     Renderer& renderer_;
     gl::ShaderLibrary shaders_;
     gl::VertexArray no_vertices_ = gl::VertexArray::without_attributes("canvas");
     gl::Texture image_; // linear
     gl::Framebuffer framebuffer_;
+    gl::Texture shown_; // the same in sRGB
+    gl::Framebuffer shown_framebuffer_;
+    gl::Texture coarse_; // shown in its place, if there is one
+    gl::Framebuffer coarse_framebuffer_;
     Camera camera_;
     std::optional<int> most_steps_;
     Pace pace_;

@@ -70,8 +70,8 @@ std::optional<SceneValue> number(const char* label, const SceneKey& key, double 
         is_changed = ImGui::SliderScalar(label, ImGuiDataType_Double, &now, &lo, &hi, "%.3g");
     } else {
         const auto speed = static_cast<float>(std::max(0.002 * std::abs(now), 1e-3));
-        is_changed = ImGui::DragScalar(label, ImGuiDataType_Double, &now, speed, nullptr, nullptr,
-                                       "%.4g");
+        is_changed =
+            ImGui::DragScalar(label, ImGuiDataType_Double, &now, speed, nullptr, nullptr, "%.4g");
     }
     if (is_changed && is_at_once) return now;
     return std::nullopt;
@@ -81,8 +81,8 @@ std::optional<SceneValue> number(const char* label, const SceneKey& key, double 
 std::optional<SceneValue> typed(const char* label, const SceneKey& key,
                                 const std::optional<SceneValue>& value, std::string& text) {
     if (!ImGui::IsItemActive() && text.empty() && value) text = word_of(*value);
-    const bool is_entered = ImGui::InputTextWithHint(label, "(as usual)", &text,
-                                                     ImGuiInputTextFlags_EnterReturnsTrue);
+    const bool is_entered =
+        ImGui::InputTextWithHint(label, "(as usual)", &text, ImGuiInputTextFlags_EnterReturnsTrue);
     if (!is_entered || text.empty()) return std::nullopt;
     if (key.is_number || key.type.starts_with("integer")) {
         double number = 0;

@@ -4,8 +4,8 @@
 namespace isocast::view {
 
 Loading::Loading(SceneFile scene, SceneObjects& objects, std::function<void()> wake)
-    : scene_(std::move(scene)), wake_(std::move(wake)), thread_([this, &objects] { run(objects); }) {
-}
+    : scene_(std::move(scene)), wake_(std::move(wake)),
+      thread_([this, &objects] { run(objects); }) {}
 
 Loading::~Loading() {
     cancel();
@@ -24,9 +24,8 @@ void Loading::run(SceneObjects& objects) {
         };
         objects.open(scene_);
         progress("converting", 0);
-        loaded_ = objects.compose(scene_, progress, [this](const std::string& warning) {
-            warnings_.push_back(warning);
-        });
+        loaded_ = objects.compose(
+            scene_, progress, [this](const std::string& warning) { warnings_.push_back(warning); });
     } catch (...) {
         failure_ = std::current_exception();
     }

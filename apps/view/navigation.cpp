@@ -68,7 +68,8 @@ Camera zoomed(const Camera& camera, const Vec3d& pivot_world, int width, int hei
         return out;
     }
     const double depth = depth_of(camera, pivot_world);
-    const Vec3d at = camera.eye_world + depth / forward.dot(ray.direction_world) * ray.direction_world;
+    const Vec3d at =
+        camera.eye_world + depth / forward.dot(ray.direction_world) * ray.direction_world;
     const Vec3d step = (1 - factor) * (at - camera.eye_world);
     out.eye_world += step;
     // As far ahead as the pivot is, so that zooming never passes the target.

@@ -9,8 +9,8 @@ namespace isocast::view {
 namespace {
 
 /// The passes that without_expensive_effects() does not run.
-constexpr std::array expensive{"shadow map", "shadow", "occlusion", "flow noise", "flow",
-                               "direction"};
+constexpr std::array expensive{"shadow map", "shadow", "occlusion",
+                               "flow noise", "flow",   "direction"};
 
 bool is_expensive(const std::string& pass) {
     return std::ranges::find(expensive, pass) != expensive.end();
@@ -20,8 +20,8 @@ bool is_expensive(const std::string& pass) {
 bool runs(const Look& look, const std::string& pass) {
     const Effects& e = look.effects;
     if (pass == "shadow map" || pass == "shadow")
-        return std::ranges::any_of(
-            look.lights, [](const Light& light) { return light.shadow != Shadow::None; });
+        return std::ranges::any_of(look.lights,
+                                   [](const Light& light) { return light.shadow != Shadow::None; });
     if (pass == "occlusion") return e.occlusion.strength > 0;
     if (pass == "flow noise" || pass == "flow" || pass == "direction") return e.flow.strength > 0;
     if (pass == "refraction") return e.refraction.strength > 0;

@@ -11,8 +11,8 @@ namespace isocast::view {
 
 /// What is left out for speed.
 struct Reduction {
-    int divisor = 1;          // of the picture's sides
-    bool has_effects = true;  // those that cost less than hits and shading
+    int divisor = 1;         // of the picture's sides
+    bool has_effects = true; // those that cost less than hits and shading
     bool operator==(const Reduction&) const = default;
 };
 

@@ -76,6 +76,12 @@ void Panels::remember(const std::filesystem::path& file) {
     }
 }
 
+Eigen::Vector2f Panels::margins() const {
+    // The status line is as high as a line of widgets.
+    return is_shown_ ? Eigen::Vector2f(340 * scale_, std::round(20 * scale_))
+                     : Eigen::Vector2f(0, 0);
+}
+
 void Panels::pin(const Probe& probe) {
     // Two are measured between; a third begins anew.
     if (pins_.size() == 2) pins_.clear();
@@ -90,8 +96,7 @@ void Panels::mark(const std::string& name) {
 
 bool Panels::header(const char* name, bool is_open) {
     if (!only_.empty()) ImGui::SetNextItemOpen(only_ == name);
-    const bool shows =
-        ImGui::CollapsingHeader(name, is_open ? ImGuiTreeNodeFlags_DefaultOpen : 0);
+    const bool shows = ImGui::CollapsingHeader(name, is_open ? ImGuiTreeNodeFlags_DefaultOpen : 0);
     mark(name);
     return shows;
 }
@@ -129,8 +134,8 @@ void Panels::draw_key(const SceneTable& table, std::size_t i, const SceneKey& ke
     const std::string full = fmt::format("{}.{}.{}", table.name, i, key.name);
     const std::optional<SceneValue> value =
         key.get(viewer_.scene(), i, std::filesystem::current_path());
-    const bool is_at_once = change_of_key(table.is_array() ? full : table.name + "." + key.name) !=
-                            Change::Load;
+    const bool is_at_once =
+        change_of_key(table.is_array() ? full : table.name + "." + key.name) != Change::Load;
     ImGui::PushID(full.c_str());
     const auto changed = key_widget(key, value, is_at_once, texts_[full]);
     mark(full);
@@ -177,7 +182,7 @@ void Panels::draw_objects() {
             std::vector<float> counts(histogram.counts.begin(), histogram.counts.end());
             // The greatest peak would hide the rest.
             for (float& count : counts) count = std::sqrt(count);
-            const ImVec2 size(-1, 60 * scale_);
+            const ImVec2 size(ImGui::GetContentRegionAvail().x, 60 * scale_);
             ImGui::PlotHistogram("##histogram", counts.data(), static_cast<int>(counts.size()), 0,
                                  "values, root of their number", 0, FLT_MAX, size);
             mark("histogram");
@@ -187,8 +192,8 @@ void Panels::draw_objects() {
             const ImVec2 min = ImGui::GetItemRectMin();
             const ImVec2 max = ImGui::GetItemRectMax();
             const auto x = static_cast<float>(min.x + (iso - lo) / (hi - lo) * (max.x - min.x));
-            ImGui::GetWindowDrawList()->AddLine({x, min.y}, {x, max.y},
-                                                IM_COL32(255, 160, 0, 255), 2 * scale_);
+            ImGui::GetWindowDrawList()->AddLine({x, min.y}, {x, max.y}, IM_COL32(255, 160, 0, 255),
+                                                2 * scale_);
             ImGui::SetNextItemWidth(-40 * scale_);
             const double asked = iso;
             ImGui::SliderScalar("iso", ImGuiDataType_Double, &iso, &lo, &hi, "%.4g");
@@ -270,7 +275,7 @@ void Panels::draw_marks(double pixels_per_unit) {
     const auto at = [&](const Vec3d& p_world) -> std::optional<ImVec2> {
         const auto p = seen_at(canvas.camera(), canvas.width(), canvas.height(), p_world);
         if (!p) return std::nullopt;
-        return ImVec2(static_cast<float>(p->x() / pixels_per_unit),
+        return ImVec2(margins().x() + static_cast<float>(p->x() / pixels_per_unit),
                       static_cast<float>(p->y() / pixels_per_unit));
     };
     const auto line = [&](const Vec3d& from, const Vec3d& to, ImU32 colour) {
@@ -299,7 +304,7 @@ void Panels::draw_marks(double pixels_per_unit) {
 
 void Panels::draw_status() {
     const ImGuiIO& io = ImGui::GetIO();
-    const float height = ImGui::GetFrameHeight();
+    const float height = margins().y();
     ImGui::SetNextWindowPos({0, io.DisplaySize.y - height});
     ImGui::SetNextWindowSize({io.DisplaySize.x, height});
     ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(8 * scale_, 2 * scale_));
@@ -309,13 +314,13 @@ void Panels::draw_status() {
                      ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoInputs);
     const Canvas& canvas = viewer_.canvas();
     const int rounds = canvas.complete_rounds();
-    ImGui::Text("%d x %d   %s   %s   ? for keys", canvas.width(), canvas.height(),
-                rounds == 0 ? "coarse"
-                : canvas.is_complete(viewer_.options().samples)
-                    ? fmt::format("{} rays a pixel", viewer_.options().samples).c_str()
-                    : fmt::format("{} of {} rays a pixel", rounds, viewer_.options().samples)
-                          .c_str(),
-                viewer_.driver().renderer.c_str());
+    ImGui::Text(
+        "%d x %d   %s   %s   ? for keys", canvas.width(), canvas.height(),
+        rounds == 0 ? "coarse"
+        : canvas.is_complete(viewer_.options().samples)
+            ? fmt::format("{} rays a pixel", viewer_.options().samples).c_str()
+            : fmt::format("{} of {} rays a pixel", rounds, viewer_.options().samples).c_str(),
+        viewer_.driver().renderer.c_str());
     ImGui::End();
     ImGui::PopStyleVar(2);
 }
@@ -344,7 +349,8 @@ void Panels::draw_messages() {
     if (viewer_.messages().empty()) return;
     const ImGuiIO& io = ImGui::GetIO();
     const float width = 420 * scale_;
-    ImGui::SetNextWindowPos({io.DisplaySize.x - 10 * scale_, 10 * scale_}, ImGuiCond_Always, {1, 0});
+    ImGui::SetNextWindowPos({io.DisplaySize.x - 10 * scale_, 10 * scale_}, ImGuiCond_Always,
+                            {1, 0});
     ImGui::SetNextWindowSizeConstraints({width, 0}, {width, io.DisplaySize.y / 2});
     ImGui::Begin("Messages", nullptr,
                  ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
@@ -383,7 +389,7 @@ void Panels::draw(double pixels_per_unit) {
     draw_marks(pixels_per_unit);
     if (is_shown_) {
         ImGui::SetNextWindowPos({0, 0});
-        ImGui::SetNextWindowSize({340 * scale_, io.DisplaySize.y - ImGui::GetFrameHeight()});
+        ImGui::SetNextWindowSize({margins().x(), io.DisplaySize.y - margins().y()});
         ImGui::Begin("panels", nullptr,
                      ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
                          ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
@@ -415,8 +421,9 @@ void Panels::draw(double pixels_per_unit) {
             ImGui::TextDisabled("shadows %s", price({"shadow map", "shadow"}).c_str());
             const std::size_t count = lights.count(viewer_.scene());
             for (std::size_t i = 0; i < count; ++i)
-                if (ImGui::TreeNodeEx(reinterpret_cast<void*>(i + 1), ImGuiTreeNodeFlags_DefaultOpen,
-                                      "light %d", static_cast<int>(i + 1))) {
+                if (ImGui::TreeNodeEx(reinterpret_cast<void*>(i + 1),
+                                      ImGuiTreeNodeFlags_DefaultOpen, "light %d",
+                                      static_cast<int>(i + 1))) {
                     draw_keys(lights, i);
                     ImGui::TreePop();
                 }
@@ -435,10 +442,10 @@ void Panels::draw(double pixels_per_unit) {
         draw_cost();
         draw_probe();
         ImGui::End();
+        draw_status();
     } else {
         is_probing_ = false;
     }
-    draw_status();
     draw_messages();
     draw_loading();
     draw_help();

@@ -24,6 +24,8 @@ public:
     void draw(double pixels_per_unit);
 
     void toggle() { is_shown_ = !is_shown_; }
+    /// What they take of the window, on the left and at the bottom [ImGui's units].
+    Eigen::Vector2f margins() const;
     void toggle_help() { has_help_ = !has_help_; }
     /// What is under the cursor, shown until it is another; and pinned, if it was clicked.
     void set_probe(std::optional<Probe> probe) { probe_ = std::move(probe); }

@@ -35,8 +35,9 @@ void Trace::step(const Step& step) {
           << std::endl;
 }
 
-void Trace::screen() {
-    if (file_.is_open()) file_ << Json{{"screen", ++screens_}} << std::endl;
+void Trace::screen(double milliseconds) {
+    if (file_.is_open())
+        file_ << Json{{"screen", ++screens_}, {"milliseconds", milliseconds}} << std::endl;
 }
 
 void Trace::places(const std::map<std::string, std::array<float, 4>>& places) {

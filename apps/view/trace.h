@@ -17,8 +17,8 @@ public:
     explicit Trace(const std::filesystem::path& path);
 
     void step(const Step& step);
-    /// A picture of the window: how many so far.
-    void screen();
+    /// A picture of the window: how many so far, and what panels and the rest of it took.
+    void screen(double milliseconds);
     /// Controls by name, if they are elsewhere than before [window units].
     void places(const std::map<std::string, std::array<float, 4>>& places);
     void event(const std::string& what, const std::string& text);

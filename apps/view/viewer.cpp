@@ -21,7 +21,8 @@ bool is_of_search(const std::string& key) {
 }
 
 CameraSpec spec_of(const Camera& camera) {
-    CameraSpec spec{.eye_world = camera.eye_world, .target_world = camera.target_world, .up = camera.up};
+    CameraSpec spec{
+        .eye_world = camera.eye_world, .target_world = camera.target_world, .up = camera.up};
     if (camera.projection == Projection::Orthographic)
         spec.height_world = camera.height_world;
     else
@@ -77,8 +78,9 @@ void Viewer::add_file(const std::filesystem::path& path) {
         SceneFile scene = next_ ? *next_ : loading_ ? loading_->scene() : scene_;
         const Input input = input_from(path.string());
         SceneObject& object = scene.objects.emplace_back();
-        (input.is_mesh() ? object.mesh : input.is_field() ? object.field : object.molecule) =
-            path.string();
+        (input.is_mesh()    ? object.mesh
+         : input.is_field() ? object.field
+                            : object.molecule) = path.string();
         open(std::move(scene));
     } catch (const std::exception& error) {
         say(error.what());
@@ -114,10 +116,9 @@ void Viewer::frame() {
                                 double(canvas_.width()) / canvas_.height());
     if (now.projection == Projection::Orthographic) {
         framed.projection = Projection::Orthographic;
-        framed.height_world =
-            2 * framed.half_height_at(0) +
-            2 * (framed.eye_world - framed.target_world).norm() *
-                std::tan(framed.fov_y_degrees / 360 * std::numbers::pi);
+        framed.height_world = 2 * framed.half_height_at(0) +
+                              2 * (framed.eye_world - framed.target_world).norm() *
+                                  std::tan(framed.fov_y_degrees / 360 * std::numbers::pi);
     }
     set_camera(framed);
 }
@@ -199,7 +200,8 @@ std::optional<Step> Viewer::step(const std::function<void(std::string_view, doub
 }
 
 void Viewer::count(const Step& step) {
-    if (step.is_coarse || (step.round == 0 && counted_milliseconds_ == 0)) counted_ = step.report;
+    if (step.is_coarse || (step.round == 0 && counted_milliseconds_ == 0))
+        counted_ = step.report;
     else
         for (std::size_t i = 0; i < counted_.passes.size(); ++i) {
             counted_.passes[i].milliseconds += step.report.passes[i].milliseconds;
@@ -219,8 +221,9 @@ void Viewer::count(const Step& step) {
 
 void Viewer::finish_loading(const std::function<void(std::string_view, double)>& pump) {
     const std::unique_ptr<Loading> done = std::move(loading_);
-    const std::string what =
-        done->scene().objects.empty() ? "" : name_of(done->scene(), done->scene().objects.size() - 1);
+    const std::string what = done->scene().objects.empty()
+                                 ? ""
+                                 : name_of(done->scene(), done->scene().objects.size() - 1);
     try {
         if (done->is_cancelled() && !next_) throw Interrupted();
         if (!done->is_cancelled()) {
@@ -255,8 +258,8 @@ void Viewer::finish_loading(const std::function<void(std::string_view, double)>&
 void Viewer::load(Scene scene, const Progress& progress) {
     LookNumbers numbers = renderer_.look_numbers();
     if (!fetch_ && !scene.objects.empty())
-        fetch_ = choose_fetch(renderer_, context_.driver(), scene.objects.front().filter,
-                              scene.storage);
+        fetch_ =
+            choose_fetch(renderer_, context_.driver(), scene.objects.front().filter, scene.storage);
     if (fetch_) scene.storage.fetch = fetch_->fetch;
     loaded_ = scene;
     renderer_.load(std::move(scene), progress);
@@ -313,7 +316,8 @@ void Viewer::save_picture(const std::filesystem::path& path) {
 std::optional<Probe> Viewer::probe(double x, double y) {
     if (!is_loaded_ || x < 0 || y < 0 || x >= canvas_.width() || y >= canvas_.height())
         return std::nullopt;
-    const PicturePart pixel{.x = static_cast<int>(x), .y = static_cast<int>(y), .width = 1, .height = 1};
+    const PicturePart pixel{
+        .x = static_cast<int>(x), .y = static_cast<int>(y), .width = 1, .height = 1};
     const bool has_fields = !loaded_.objects.empty();
     ImageSet wanted{FrameImage::Hit, FrameImage::Gradient};
     if (has_fields) wanted.insert({FrameImage::Curvature, FrameImage::Direction});

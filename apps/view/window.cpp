@@ -3,6 +3,7 @@
 
 #include "apps/view/navigation.h"
 #include "gl/window.h"
+#include "volume/stopwatch.h"
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
@@ -48,9 +49,8 @@ Window::Window(gl::Context& context, const std::filesystem::path& shader_folder,
     glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int, int action, int modifiers) {
         of(w).on_key(key, action, modifiers);
     });
-    glfwSetDropCallback(window_, [](GLFWwindow* w, int count, const char** paths) {
-        of(w).on_drop(count, paths);
-    });
+    glfwSetDropCallback(
+        window_, [](GLFWwindow* w, int count, const char** paths) { of(w).on_drop(count, paths); });
     glfwSetWindowRefreshCallback(window_, [](GLFWwindow* w) { of(w).screens_due_ = 1; });
     ImGui::CreateContext();
     ImGui::GetIO().IniFilename = nullptr; // panels are where they are
@@ -88,8 +88,7 @@ void Window::on_button(int button, int action, int modifiers) {
         const bool is_click = drag_ != Drag::None && !has_dragged_;
         drag_ = Drag::None;
         if (!is_click || button != GLFW_MOUSE_BUTTON_LEFT) return;
-        const auto probe =
-            viewer_.probe(cursor_.x() * pixels_per_unit_, cursor_.y() * pixels_per_unit_);
+        const auto probe = viewer_.probe(on_canvas().x(), on_canvas().y());
         if (!probe) return;
         // Within so many seconds: as most systems have it.
         if (glfwGetTime() - pressed_at_ < 0.4) {
@@ -109,10 +108,9 @@ void Window::on_button(int button, int action, int modifiers) {
 }
 
 void Window::on_move(double x, double y) {
-    const Eigen::Vector2d now(x, y);
-    const Eigen::Vector2d step = pixels_per_unit_ * (now - cursor_);
-    const Eigen::Vector2d before = pixels_per_unit_ * cursor_;
-    cursor_ = now;
+    const Eigen::Vector2d before = on_canvas();
+    cursor_ = {x, y};
+    const Eigen::Vector2d step = on_canvas() - before;
     screens_due_ = std::max(screens_due_, 2);
     if (drag_ == Drag::None || !viewer_.has_scene()) {
         wants_probe_ = true;
@@ -125,8 +123,7 @@ void Window::on_move(double x, double y) {
     const int height = viewer_.canvas().height();
     switch (drag_) {
     case Drag::Rotate: // half a turn over the window's height
-        viewer_.set_camera(rotated(camera, viewer_.pivot(),
-                                   -step.x() / height * std::numbers::pi,
+        viewer_.set_camera(rotated(camera, viewer_.pivot(), -step.x() / height * std::numbers::pi,
                                    -step.y() / height * std::numbers::pi));
         break;
     case Drag::Pan:
@@ -144,7 +141,8 @@ void Window::on_move(double x, double y) {
             rolled(camera, -std::atan2(from.x() * to.y() - from.y() * to.x(), from.dot(to))));
         break;
     }
-    case Drag::None: break;
+    case Drag::None:
+        break;
     }
 }
 
@@ -152,8 +150,12 @@ void Window::on_scroll(double steps) {
     screens_due_ = 3;
     if (ImGui::GetIO().WantCaptureMouse || !viewer_.has_scene()) return;
     viewer_.set_camera(zoomed(viewer_.camera(), viewer_.pivot(), viewer_.canvas().width(),
-                              viewer_.canvas().height(), cursor_.x() * pixels_per_unit_,
-                              cursor_.y() * pixels_per_unit_, std::pow(0.85, steps)));
+                              viewer_.canvas().height(), on_canvas().x(), on_canvas().y(),
+                              std::pow(0.85, steps)));
+}
+
+Eigen::Vector2d Window::on_canvas() const {
+    return pixels_per_unit_ * cursor_ - Eigen::Vector2d(margins_.x(), 0);
 }
 
 std::filesystem::path Window::free_name(const std::string& ending) {
@@ -173,11 +175,21 @@ void Window::on_key(int key, int action, int modifiers) {
             viewer_.set_camera(seen_from(viewer_.camera(), viewer_.pivot(), side * direction, up));
     };
     switch (key) {
-    case GLFW_KEY_R: viewer_.reset_camera(); break;
-    case GLFW_KEY_F: viewer_.frame(); break;
-    case GLFW_KEY_1: look_from(Vec3d::UnitZ(), Vec3d::UnitY()); break;
-    case GLFW_KEY_3: look_from(Vec3d::UnitX(), Vec3d::UnitY()); break;
-    case GLFW_KEY_7: look_from(Vec3d::UnitY(), -Vec3d::UnitZ()); break;
+    case GLFW_KEY_R:
+        viewer_.reset_camera();
+        break;
+    case GLFW_KEY_F:
+        viewer_.frame();
+        break;
+    case GLFW_KEY_1:
+        look_from(Vec3d::UnitZ(), Vec3d::UnitY());
+        break;
+    case GLFW_KEY_3:
+        look_from(Vec3d::UnitX(), Vec3d::UnitY());
+        break;
+    case GLFW_KEY_7:
+        look_from(Vec3d::UnitY(), -Vec3d::UnitZ());
+        break;
     case GLFW_KEY_O:
         if (viewer_.has_scene())
             viewer_.set_camera(with_other_projection(viewer_.camera(), viewer_.pivot()));
@@ -188,11 +200,14 @@ void Window::on_key(int key, int action, int modifiers) {
         else
             viewer_.save_picture(free_name(".png"));
         break;
-    case GLFW_KEY_H: panels_.toggle(); break;
+    case GLFW_KEY_H:
+        panels_.toggle();
+        break;
     case GLFW_KEY_SLASH:
         if ((modifiers & GLFW_MOD_SHIFT) != 0) panels_.toggle_help();
         break;
-    default: break;
+    default:
+        break;
     }
 }
 
@@ -206,15 +221,17 @@ void Window::on_drop(int count, const char** paths) {
 }
 
 void Window::draw_screen() {
+    const Stopwatch watch;
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
     ImGui::NewFrame();
     panels_.draw(pixels_per_unit_);
     ImGui::Render();
-    viewer_.canvas().present();
+    viewer_.canvas().present(margins_.x(), margins_.y());
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
     glfwSwapBuffers(window_);
-    trace_.screen();
+    drawn_at_ = glfwGetTime();
+    trace_.screen(1000 * watch.seconds());
     trace_.places(panels_.places());
 }
 
@@ -224,8 +241,10 @@ void Window::take_events() {
     glfwGetFramebufferSize(window_, &width, &height);
     int units = 0;
     glfwGetWindowSize(window_, &units, nullptr);
-    if (units > 0 && width > 0) pixels_per_unit_ = double(width) / units;
-    viewer_.resize(width, height);
+    if (units == 0 || width == 0 || height == 0) return; // minimised
+    pixels_per_unit_ = double(width) / units;
+    margins_ = (pixels_per_unit_ * panels_.margins().cast<double>()).array().round().cast<int>();
+    viewer_.resize(std::max(width - margins_.x(), 1), std::max(height - margins_.y(), 1));
 }
 
 void Window::run(const std::function<bool()>& is_ended) {
@@ -245,7 +264,9 @@ void Window::run(const std::function<bool()>& is_ended) {
         if (viewer_.loading() != nullptr) screens_due_ = 1;
         if (const auto step = viewer_.step(pump)) {
             trace_.step(*step);
-            screens_due_ = std::max(screens_due_, 1);
+            // Parts are shown as they come, but not each by itself.
+            if (step->is_coarse || step->ends_round || glfwGetTime() - drawn_at_ > 0.1)
+                screens_due_ = std::max(screens_due_, 1);
         }
         if (viewer_.messages().size() != message_count) {
             message_count = viewer_.messages().size();
@@ -257,8 +278,7 @@ void Window::run(const std::function<bool()>& is_ended) {
             wants_probe_ = false;
             panels_.set_probe(ImGui::GetIO().WantCaptureMouse
                                   ? std::nullopt
-                                  : viewer_.probe(cursor_.x() * pixels_per_unit_,
-                                                  cursor_.y() * pixels_per_unit_));
+                                  : viewer_.probe(on_canvas().x(), on_canvas().y()));
             screens_due_ = std::max(screens_due_, 1);
         }
         if (screens_due_ > 0 && viewer_.canvas().width() > 0) {

@@ -43,6 +43,8 @@ private:
     Drag drag_of(int button, int modifiers) const;
     void take_events();
     void draw_screen();
+    /// The cursor on the canvas [pixels].
+    Eigen::Vector2d on_canvas() const;
     /// The first of prefix-1.ending, prefix-2.ending … that there is not.
     static std::filesystem::path free_name(const std::string& ending);
 
@@ -52,13 +54,15 @@ private:
     Panels panels_;
     Options options_;
     Trace trace_;
-    double pixels_per_unit_ = 1; // of the framebuffer, by units of the cursor
+    double pixels_per_unit_ = 1;    // of the framebuffer, by units of the cursor
+    Eigen::Vector2i margins_{0, 0}; // beside the canvas, on the left and at the bottom [pixels]
     Drag drag_ = Drag::None;
     Eigen::Vector2d cursor_{0, 0}; // units
     bool has_dragged_ = false;
     double pressed_at_ = -1; // seconds
     bool wants_probe_ = false;
     int screens_due_ = 3; // ImGui settles over some frames
+    double drawn_at_ = 0; // the last screen [s]
 };
 
 } // namespace isocast::view

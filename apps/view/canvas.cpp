@@ -189,10 +189,14 @@ void Canvas::blit(const gl::Texture& from, const gl::Framebuffer& from_framebuff
 }
 
 void Canvas::present(int x, int y) const {
+    // What panels will cover, too: they are seen through.
+    constexpr std::array<float, 4> dark{0.06F, 0.06F, 0.06F, 1};
+    glClearNamedFramebufferfv(0, GL_COLOR, 0, dark.data());
     if (coarse_.is_empty())
         blit(shown_, shown_framebuffer_, 0, x, y);
     else
         blit(coarse_, coarse_framebuffer_, 0, x, y);
+    glBindFramebuffer(GL_FRAMEBUFFER, 0); // what comes on top goes there
 }
 
 void Canvas::show_steps(std::optional<int> most_steps) {

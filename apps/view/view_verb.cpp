@@ -56,6 +56,7 @@ void view_scene(const ViewCommand& command, Console& console,
         }
         return false;
     });
+    until_interrupted("", 0); // whose exit code is another than that of a closed window
 }
 
 } // namespace

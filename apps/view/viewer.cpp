@@ -240,6 +240,7 @@ void Viewer::finish_loading(const std::function<void(std::string_view, double)>&
             const bool is_first = !is_loaded_;
             is_loaded_ = true;
             take_scene(done->scene());
+            ++load_count_;
             if (is_first) reset_camera();
             set_camera(camera());
         }
@@ -296,6 +297,8 @@ void Viewer::save_picture(const std::filesystem::path& path) {
     try {
         const SceneFile scene = scene_as_seen();
         renderer_.set_look(look_of(scene, is_opaque(scene, path)));
+        // As `isocast render` finds them in this view; from here on the window shows these, too.
+        renderer_.set_look_numbers({});
         PictureRequest request{.width = scene.output.width,
                                .height = scene.output.height,
                                .samples = scene.output.samples,
@@ -311,6 +314,7 @@ void Viewer::save_picture(const std::filesystem::path& path) {
         say(error.what());
     }
     renderer_.set_look(loaded_.look);
+    canvas_.restart(camera());
 }
 
 std::optional<Probe> Viewer::probe(double x, double y) {

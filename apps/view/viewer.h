@@ -68,6 +68,7 @@ public:
     std::optional<Probe> probe(double x, double y);
 
     bool has_scene() const { return is_loaded_; }
+    int load_count() const { return load_count_; }
     const SceneFile& scene() const { return scene_; }
     const Scene& loaded() const { return loaded_; }
     const Loading* loading() const { return loading_.get(); }
@@ -100,6 +101,7 @@ private:
     SceneFile scene_;
     Scene loaded_;
     bool is_loaded_ = false;
+    int load_count_ = 0;
     std::optional<FetchChoice> fetch_;
     Vec3d pivot_world_ = Vec3d::Zero();
     bool is_moving_ = true; // the next step draws coarsely

@@ -250,6 +250,7 @@ void Window::take_events() {
 void Window::run(const std::function<bool()>& is_ended) {
     glfwSwapInterval(1);
     std::size_t message_count = 0;
+    int load_count = 0;
     // While a scene goes to the GPU.
     const auto pump = [&](std::string_view, double) {
         if (glfwWindowShouldClose(window_) || is_ended()) throw Interrupted();
@@ -267,6 +268,10 @@ void Window::run(const std::function<bool()>& is_ended) {
             // Parts are shown as they come, but not each by itself.
             if (step->is_coarse || step->ends_round || glfwGetTime() - drawn_at_ > 0.1)
                 screens_due_ = std::max(screens_due_, 1);
+        }
+        if (viewer_.load_count() != load_count) {
+            load_count = viewer_.load_count();
+            trace_.event("scene", fmt::format("{} objects", viewer_.scene().objects.size()));
         }
         if (viewer_.messages().size() != message_count) {
             message_count = viewer_.messages().size();

@@ -64,7 +64,7 @@ void run_direct(FrameContext& frame) {
         frame, FrameImage::Beauty, background,
         [&](SplatKind kind) {
             return direct_program(kind, is_perspective(frame), cut_kind_of(frame),
-                                  has_normals(*frame.seen.splats), look.lights.size(), shadow);
+                                  has_normals(*frame.seen.splats), lights_of(look).size(), shadow);
         },
         [&](const gl::Program& program, const SplatsOnGpu::OfKind&) {
             program.set("u_ray_vector", Eigen::Matrix3f(world_vector_coefficients(

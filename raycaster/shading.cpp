@@ -102,10 +102,16 @@ ImageSet shading_reads(const FrameContext& frame) {
     return reads;
 }
 
+std::vector<Light> lights_of(const Look& look) {
+    if (look.lights.empty()) return {Light{.colour = Vec3d::Zero()}};
+    return look.lights;
+}
+
 void set_lights(const gl::Program& program, const FrameContext& frame) {
     const Look& look = frame.scene.look;
-    for (std::size_t i = 0; i < look.lights.size(); ++i) {
-        const Light& light = look.lights[i];
+    const std::vector<Light> lights = lights_of(look);
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        const Light& light = lights[i];
         program.set(fmt::format("u_light_directions[{}]", i).c_str(),
                     to_float(direction_world(light, frame.camera)));
         program.set(fmt::format("u_light_colours[{}]", i).c_str(), to_float(light.colour));
@@ -127,7 +133,7 @@ void run_shading(FrameContext& frame) {
     const std::size_t owners =
         frame.seen.objects.size() + std::size_t{frame.seen.splats.has_value()};
     const gl::Program& program = frame.shaders.program(shading_program(
-        look.model, look.shows_environment, look.lights.size(), owners, counts, of_splats));
+        look.model, look.shows_environment, lights_of(look).size(), owners, counts, of_splats));
 
     if (of_splats) {
         frame.targets.texture(FrameImage::SplatSurface).bind_to_unit(0);

@@ -32,6 +32,9 @@ const Light* casting_light(const Look& look);
 /// The images that shading reads; where no tile shows the surface, none that effects make.
 ImageSet shading_reads(const FrameContext& frame);
 
+/// Those of the look; of none a black one, so that shaders need no case of their own.
+std::vector<Light> lights_of(const Look& look);
+
 /// Of shaders/shading/lights.glsl.
 void set_lights(const gl::Program& program, const FrameContext& frame);
 void run_shading(FrameContext& frame);

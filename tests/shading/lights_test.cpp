@@ -36,6 +36,23 @@ TEST_F(Lights, TwoAddUp) {
     EXPECT_GT(hits, 1000);
 }
 
+TEST_F(Lights, NoneLeavesTheSurfaceBlack) {
+    for (const ShadingModel model : {ShadingModel::BlinnPhong, ShadingModel::Gooch}) {
+        Scene scene{.field = sphere};
+        scene.look.lights.clear();
+        scene.look.model = model;
+        scene.look.effects.occlusion.strength = 1;
+        const Image image = draw(scene);
+        int hits = 0;
+        for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
+            if (image.rgba[i + 3] == 0) continue;
+            ++hits;
+            for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(image.rgba[i + c], 0);
+        }
+        EXPECT_GT(hits, 1000);
+    }
+}
+
 TEST_F(Lights, FlatIsTheSurfaceColourAndFetchesNoGradient) {
     Scene scene{.field = sphere};
     scene.look.model = ShadingModel::Flat;

@@ -53,7 +53,7 @@ int run(int argc, char** argv, Console& console) {
     program.require_subcommand(0, 1);
     const std::array verbs{convert_verb(program, shader_folders(), data_folders()),
                            render_verb(program, shader_folders(), data_folders()),
-                           view_verb(program, shader_folders()),
+                           view_verb(program, shader_folders(), data_folders()),
                            info_verb(program),
                            accuracy_verb(program, shader_folders(), data_folders()),
                            sample_verb(program),

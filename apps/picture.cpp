@@ -169,7 +169,8 @@ FrameReport draw_picture(const PictureSource& source, const std::vector<PictureV
         const double first = std::floor(view.first_pixel);
         PicturePart in_picture = part;
         in_picture.x += static_cast<int>(first);
-        PicturePart around = with_reach(in_picture, source.reach, view.picture_width, request.height);
+        PicturePart around =
+            with_reach(in_picture, source.reach, view.picture_width, request.height);
         const Eigen::Vector2d middle(view.first_pixel - first, 0);
         const auto draw = [&](const ImageSet& wanted, const Eigen::Vector2d& shift) {
             if (progress)

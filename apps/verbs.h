@@ -27,7 +27,8 @@ Verb convert_verb(CLI::App& program, std::vector<std::filesystem::path> shader_f
 Verb render_verb(CLI::App& program, std::vector<std::filesystem::path> shader_folders,
                  std::vector<std::filesystem::path> data_folders);
 /// the same in a window
-Verb view_verb(CLI::App& program, std::vector<std::filesystem::path> shader_folders);
+Verb view_verb(CLI::App& program, std::vector<std::filesystem::path> shader_folders,
+               std::vector<std::filesystem::path> data_folders);
 /// what a mesh or field file holds
 Verb info_verb(CLI::App& program);
 /// what accuracy costs: errors and times at many settings

@@ -199,6 +199,13 @@ void Canvas::present(int x, int y) const {
     glBindFramebuffer(GL_FRAMEBUFFER, 0); // what comes on top goes there
 }
 
+void Canvas::show_picture(const Image& picture) {
+    coarse_framebuffer_ = {};
+    coarse_ = gl::Texture::picture(gl::Format::Rgba8, picture.width, picture.height,
+                                   bottom_up(picture), gl::Wrap::Clamp, "shown picture");
+    coarse_framebuffer_ = gl::Framebuffer({&coarse_}, "shown picture");
+}
+
 void Canvas::show_steps(std::optional<int> most_steps) {
     most_steps_ = most_steps;
     restart(camera_);

@@ -54,6 +54,8 @@ public:
     /// Into the window's own framebuffer, from (x, y) on its bottom left, in sRGB.
     void present(int x, int y) const;
 
+    /// Instead of the picture, until something changes: a picture of the same view.
+    void show_picture(const Image& picture);
     /// Instead of the picture: how often each ray looked at the field, up to so many in red.
     void show_steps(std::optional<int> most_steps);
     bool shows_steps() const { return most_steps_.has_value(); }

@@ -3,8 +3,9 @@
 
 namespace isocast::view {
 
-Loading::Loading(SceneFile scene, SceneObjects& objects, std::function<void()> wake)
-    : scene_(std::move(scene)), wake_(std::move(wake)),
+Loading::Loading(SceneFile scene, Prepare prepare, SceneObjects& objects,
+                 std::function<void()> wake)
+    : scene_(std::move(scene)), prepare_(std::move(prepare)), wake_(std::move(wake)),
       thread_([this, &objects] { run(objects); }) {}
 
 Loading::~Loading() {
@@ -22,6 +23,7 @@ void Loading::run(SceneObjects& objects) {
             }
             wake_();
         };
+        if (prepare_) prepare_(scene_, progress);
         objects.open(scene_);
         progress("converting", 0);
         loaded_ = objects.compose(

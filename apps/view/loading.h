@@ -15,9 +15,13 @@ namespace isocast::view {
 /// One scene on its way.
 class Loading {
 public:
+    /// Changes a scene before it is read.
+    using Prepare = std::function<void(SceneFile&, const Progress&)>;
+
+    /// prepare  if there is something to be found out first
     /// objects  what was read before; nobody else may use it until is_done()
     /// wake     called from the thread whenever there is news
-    Loading(SceneFile scene, SceneObjects& objects, std::function<void()> wake);
+    Loading(SceneFile scene, Prepare prepare, SceneObjects& objects, std::function<void()> wake);
     /// Cancels, and waits for the thread.
     ~Loading();
     Loading(const Loading&) = delete;
@@ -31,6 +35,7 @@ public:
     bool is_cancelled() const { return is_cancelled_; }
     bool is_done() const { return is_done_; }
 
+    /// Prepared, once done.
     const SceneFile& scene() const { return scene_; }
     /// Once done. throws  what reading threw
     Scene take();
@@ -39,7 +44,8 @@ public:
 private:
     void run(SceneObjects& objects);
 
-    const SceneFile scene_;
+    SceneFile scene_;
+    const Prepare prepare_;
     const std::function<void()> wake_;
     std::atomic<bool> is_cancelled_ = false;
     std::atomic<bool> is_done_ = false;

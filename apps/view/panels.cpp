@@ -216,6 +216,28 @@ void Panels::draw_objects() {
 
 void Panels::draw_cost() {
     if (!header("What accuracy costs", false)) return;
+    if (!viewer_.loaded().objects.empty()) {
+        const double voxel = viewer_.loaded().objects.front().field->space().voxel_size_world();
+        const double lo = 1e-3;
+        const double hi = 2;
+        ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x * 0.5F);
+        ImGui::SliderScalar("error [voxels]", ImGuiDataType_Double, &max_error_voxels_, &lo, &hi,
+                            "%.3g", ImGuiSliderFlags_Logarithmic);
+        mark("error");
+        if (ImGui::IsItemDeactivatedAfterEdit()) viewer_.keep_error(max_error_voxels_ * voxel);
+        if (const auto& promise = viewer_.promise())
+            ImGui::TextWrapped("%s%s promises %.2g, for %.0f ms",
+                               std::string(filter_name(promise->filter)).c_str(),
+                               promise->resolution
+                                   ? fmt::format(" at {} voxels", *promise->resolution).c_str()
+                                   : "",
+                               promise->error_world, 1000 * promise->seconds);
+    }
+    if (viewer_.comparing() != nullptr)
+        ImGui::ProgressBar(static_cast<float>(viewer_.comparing()->fraction()));
+    else if (ImGui::Button("Difference from the reference"))
+        viewer_.compare();
+    mark("compare");
     int samples = 0;
     while (1 << samples < viewer_.options().samples) ++samples;
     ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x * 0.5F);
@@ -319,7 +341,8 @@ void Panels::draw_status() {
         rounds == 0 ? "coarse"
         : canvas.is_complete(viewer_.options().samples)
             ? fmt::format("{} rays a pixel", viewer_.options().samples).c_str()
-            : fmt::format("{} of {} rays a pixel", rounds, viewer_.options().samples).c_str(),
+            : fmt::format("{} of {} rays a pixel", std::min(rounds, viewer_.options().samples - 1),
+                                  viewer_.options().samples).c_str(),
         viewer_.driver().renderer.c_str());
     ImGui::End();
     ImGui::PopStyleVar(2);

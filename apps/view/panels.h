@@ -68,6 +68,7 @@ private:
     bool has_help_ = false;
     bool is_probing_ = true;
     int most_steps_ = 64;
+    double max_error_voxels_ = 0.1; // that is asked for
     std::optional<Probe> probe_;
     std::vector<Pin> pins_;
     std::map<std::string, std::array<float, 4>> places_;

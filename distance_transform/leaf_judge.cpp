@@ -48,35 +48,41 @@ Margin LeafJudge::margin_of(const Cube& cube, const std::array<NodeData, 8>& cor
     return margin;
 }
 
-bool LeafJudge::is_spoiled(const OctreeCell& cell, Margin& margin,
-                           const std::array<NodeData, 8>& sampled,
-                           const std::array<NodeData, 8>& now) const {
-    double moved = 0;
+std::optional<int> LeafJudge::spoiling_corner(const OctreeCell& cell, Margin& margin,
+                                              const std::array<NodeData, 8>& sampled,
+                                              const std::array<NodeData, 8>& now,
+                                              ExactDistance::Hint& hint) const {
+    if (now == sampled) return std::nullopt;
+    const Cube cube = cube_of(cell);
+    if (!margin.is_known) margin = margin_of(cube, sampled, hint);
+    if (margin.slack < 0) return std::nullopt;
+    std::optional<int> corner;
+    double farthest = -1;
     bool has_changed_side = false;
     for (std::size_t i = 0; i < 8; ++i) {
-        double here = 0;
+        double moved = 0;
         // Both ends' slopes weigh a quarter of the edge at most, between them.
         for (unsigned d = 0; d < static_cast<unsigned>(components_of(options_.filter)); ++d)
-            here += std::abs(double{now[i][d]} - sampled[i][d]) *
-                    std::pow(cell.size() / 4.0, std::popcount(d));
-        moved = std::max(moved, here);
-        has_changed_side = has_changed_side || (now[i][0] < 0) != (sampled[i][0] < 0);
+            moved += std::abs(double{now[i][d]} - sampled[i][d]) *
+                     std::pow(cell.size() / 4.0, std::popcount(d));
+        const bool is_on_other_side = (now[i][0] < 0) != (sampled[i][0] < 0);
+        has_changed_side = has_changed_side || is_on_other_side;
+        if (moved <= farthest || (moved <= margin.slack && !is_on_other_side)) continue;
+        farthest = moved;
+        corner = static_cast<int>(i);
     }
-    if (moved == 0) return false;
-    const Cube cube = cube_of(cell);
-    if (!margin.is_known) {
-        ExactDistance::Hint hint = 0;
-        margin = margin_of(cube, sampled, hint);
-    }
-    if (margin.slack < 0 || (moved <= margin.slack && !has_changed_side)) return false;
+    if (!corner) return std::nullopt;
     const CellFunction before(options_.filter, cube.lo(), 2 * cube.half_edge, sampled);
     const CellFunction g(options_.filter, cube.lo(), 2 * cube.half_edge, now);
     const double distance = before.at(cube.centre) - margin.error_at_centre;
-    if (slack_at(g, cube.centre, distance) < 0) return true;
+    if (slack_at(g, cube.centre, distance) < 0) return corner;
     const SurfaceInCube surface = is_empty(cube, distance)
                                       ? SurfaceInCube{}
                                       : distance_.surface_in(cube, g, *options_.max_error_cells);
-    return surface.is_there ? slack_at_surface(cube, surface, now) < 0 : has_changed_side;
+    const bool is_spoiled = surface.is_there
+                                ? slack_at_surface(cube, surface, now) < 0
+                                : has_changed_side || slack_at_points(cube, g, hint) < 0;
+    return is_spoiled ? corner : std::nullopt;
 }
 
 double LeafJudge::slack_at_surface(const Cube& cube, const SurfaceInCube& surface,

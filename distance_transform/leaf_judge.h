@@ -28,9 +28,12 @@ public:
     /// Slack below 0 if the cell must be divided.
     Margin margin_of(const Cube& cube, const std::array<NodeData, 8>& corners,
                      ExactDistance::Hint& hint) const;
-    /// Whether a leaf that was good with the corners that were sampled no longer is.
-    bool is_spoiled(const OctreeCell& cell, Margin& margin, const std::array<NodeData, 8>& sampled,
-                    const std::array<NodeData, 8>& now) const;
+    /// Of a leaf that was good as its corners were sampled and no longer is, the corner to mend: of
+    /// those that moved by more than the slack or changed sides the one that moved farthest.
+    std::optional<int> spoiling_corner(const OctreeCell& cell, Margin& margin,
+                                       const std::array<NodeData, 8>& sampled,
+                                       const std::array<NodeData, 8>& now,
+                                       ExactDistance::Hint& hint) const;
 
 private:
     double slack_at_surface(const Cube& cube, const SurfaceInCube& surface,

@@ -82,6 +82,9 @@ public:
 private:
     /// Keeps what lies within side * p[axis] <= half_edge (Sutherland & Hodgman 1974).
     void clip(int axis, double side, double half_edge) {
+        if (std::ranges::none_of(points(),
+                                 [&](const Vec3d& p) { return side * p[axis] > half_edge; }))
+            return;
         std::array<Vec3d, 9> kept;
         std::size_t kept_count = 0;
         for (std::size_t i = 0; i < count_; ++i) {
@@ -259,8 +262,18 @@ ExactDistance::Sample MeshDistance::at(const Vec3d& p, Hint& hint) const {
 SurfaceInCube MeshDistance::surface_in(const Cube& cube, const CellFunction& g,
                                        double tolerance) const {
     SurfaceInCube all;
+    const Eigen::Vector3f from_origin = (cube.centre - slab_origin_).cast<float>();
+    const auto half_edge = static_cast<float>(cube.half_edge);
+    const auto slack = static_cast<float>(
+        slab_slack * ((cube.centre - slab_origin_).norm() + slab_radius_ + cube.half_edge));
     const auto add = [&](std::int32_t first, std::int32_t end) {
+        // By how much a plane parts the triangle from the cube.
+        const Slabs& slabs = slabs_[static_cast<std::size_t>(first / leaf_triangles)];
+        Floats apart = slabs[0].at(from_origin).abs() - slabs[0].reach(half_edge);
+        for (std::size_t k = 1; k < 4; ++k)
+            apart = apart.max(slabs[k].at(from_origin) - slabs[k].reach(half_edge));
         for (std::int32_t place = first; place < end; ++place) {
+            if (apart[place - first] > slack) continue;
             const std::int32_t triangle = tree_.order()[static_cast<std::size_t>(place)];
             const Polygon polygon(corners_[static_cast<std::size_t>(triangle)], cube);
             if (polygon.points().empty()) continue;

@@ -43,6 +43,8 @@ private:
         Floats at(const Eigen::Vector3f& p) const {
             return x * p.x() + y * p.y() + z * p.z() - offset;
         }
+        /// How far a cube reaches from its centre along the normals.
+        Floats reach(float half_edge) const { return half_edge * (x.abs() + y.abs() + z.abs()); }
     };
     /// Bounds on the distances to four triangles: from their planes, and beyond their edges, in
     /// the same order as the longest edge's, the right and the left one. All 0 for slivers.

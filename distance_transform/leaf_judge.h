@@ -1,0 +1,49 @@
+// Which leaves of an adaptive distance field must be divided.
+// SPDX-License-Identifier: MPL-2.0
+#pragma once
+
+#include "distance_transform/adaptive.h"
+
+namespace isocast {
+
+Cube cube_of(const OctreeCell& cell);
+
+/// No surface where the distance at the centre exceeds the way to the farthest point of the cell.
+bool is_empty(const Cube& cube, double distance_at_centre);
+
+/// By how much a leaf keeps what it must.
+struct Margin {
+    bool is_known = false;     // others, of finest leaves, are found once a corner has moved
+    bool is_settled = false;   // as good as it was with what its corners held when judged last
+    float slack = 0;           // what its corners may move by
+    float error_at_centre = 0; // of the interpolant less the distance
+};
+
+class LeafJudge {
+public:
+    /// Both must outlive this.
+    LeafJudge(const ExactDistance& distance, const AdaptiveOptions& options)
+        : distance_(distance), options_(options) {}
+
+    /// Slack below 0 if the cell must be divided.
+    Margin margin_of(const Cube& cube, const std::array<NodeData, 8>& corners,
+                     ExactDistance::Hint& hint) const;
+    /// Of a leaf that was good as its corners were sampled and no longer is, the corner to mend: of
+    /// those that moved by more than the slack or changed sides the one that moved farthest.
+    std::optional<int> spoiling_corner(const OctreeCell& cell, Margin& margin,
+                                       const std::array<NodeData, 8>& sampled,
+                                       const std::array<NodeData, 8>& now,
+                                       ExactDistance::Hint& hint) const;
+
+private:
+    double slack_at_surface(const Cube& cube, const SurfaceInCube& surface,
+                            const std::array<NodeData, 8>& corners) const;
+    double slack_at_points(const Cube& cube, const CellFunction& g,
+                           ExactDistance::Hint& hint) const;
+    double slack_at(const CellFunction& g, const Vec3d& p, double distance) const;
+
+    const ExactDistance& distance_;
+    const AdaptiveOptions& options_;
+};
+
+} // namespace isocast

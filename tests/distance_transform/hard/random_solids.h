@@ -3,6 +3,7 @@
 #pragma once
 
 #include "stability/shapes.h"
+#include <random>
 
 namespace isocast::test {
 

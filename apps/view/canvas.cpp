@@ -21,6 +21,10 @@ gl::ProgramKey copy_program(bool is_shown) {
 
 } // namespace
 
+std::vector<gl::ProgramKey> canvas_programs() {
+    return {copy_program(false), copy_program(true)};
+}
+
 Canvas::Canvas(Renderer& renderer, const std::filesystem::path& shader_folder)
     : renderer_(renderer), shaders_({shader_folder}) {
     renderer_.keep_parts(most_parts + 1); // and the coarse one

@@ -20,6 +20,9 @@ struct Step {
     FrameReport report = {};
 };
 
+/// Every program that a canvas can ask for.
+std::vector<gl::ProgramKey> canvas_programs();
+
 /// Draws what a renderer has loaded, step by step; each leaves room for the user's input.
 class Canvas {
 public:

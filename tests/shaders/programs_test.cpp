@@ -1,5 +1,6 @@
 // Every shader compiles, and every shader file is used.
 // SPDX-License-Identifier: MPL-2.0
+#include "apps/view/canvas.h"
 #include "distance_transform/gl/scan_on_gpu.h"
 #include "gl/context.h"
 #include "raycaster/passes.h"
@@ -16,13 +17,15 @@ namespace {
 
 const std::filesystem::path shader_folder = std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders";
 
-/// Of the raycaster, the distance transform and the stability suite.
+/// Of the raycaster, the distance transform, the stability suite and the viewer.
 std::vector<gl::ProgramKey> every_program() {
     std::vector<gl::ProgramKey> keys = all_programs();
     const std::vector<gl::ProgramKey> of_scan = scan_programs();
     keys.insert(keys.end(), of_scan.begin(), of_scan.end());
     const std::vector<gl::ProgramKey> of_probes = stability::probe_programs();
     keys.insert(keys.end(), of_probes.begin(), of_probes.end());
+    const std::vector<gl::ProgramKey> of_canvas = view::canvas_programs();
+    keys.insert(keys.end(), of_canvas.begin(), of_canvas.end());
     return keys;
 }
 

@@ -13,7 +13,7 @@ namespace isocast::view {
 
 namespace {
 
-constexpr std::size_t most_parts = 48;
+constexpr std::size_t most_parts = 48; // about: rows and columns are whole
 
 gl::ProgramKey copy_program(bool is_shown) {
     return {{"view/triangle.vert", "view/copy.frag"}, {{"IS_SHOWN", is_shown ? "1" : "0"}}};
@@ -27,7 +27,7 @@ std::vector<gl::ProgramKey> canvas_programs() {
 
 Canvas::Canvas(Renderer& renderer, const std::filesystem::path& shader_folder)
     : renderer_(renderer), shaders_({shader_folder}) {
-    renderer_.keep_parts(most_parts + 1); // and the coarse one
+    renderer_.keep_parts(2 * most_parts);
 }
 
 void Canvas::resize(int width, int height) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "apps/view/pace.h"
 
+#include "raycaster/shading.h"
+
 #include <algorithm>
 #include <array>
 
@@ -16,23 +18,30 @@ bool is_expensive(const std::string& pass) {
     return std::ranges::find(expensive, pass) != expensive.end();
 }
 
+/// Whose images passes that are no effect's own are made for.
+constexpr std::array made_for{std::pair{"shadow map", FrameImage::Shadow},
+                              std::pair{"flow noise", FrameImage::Flow},
+                              std::pair{"direction", FrameImage::Flow},
+                              std::pair{"outline source", FrameImage::Outlines},
+                              std::pair{"view curvature", FrameImage::Contours},
+                              std::pair{"flow line curvature", FrameImage::Uncertainty},
+                              std::pair{"curvature", FrameImage::CurvatureColour},
+                              std::pair{"curvature", FrameImage::CurvatureMap},
+                              std::pair{"curvature", FrameImage::Accessibility},
+                              std::pair{"curvature", FrameImage::Ridges}};
+
 /// Whether the look runs that pass: an effect that is off costs nothing, whatever it once took.
 bool runs(const Look& look, const std::string& pass) {
-    const Effects& e = look.effects;
-    if (pass == "shadow map" || pass == "shadow")
-        return std::ranges::any_of(look.lights,
-                                   [](const Light& light) { return light.shadow != Shadow::None; });
-    if (pass == "occlusion") return e.occlusion.strength > 0;
-    if (pass == "flow noise" || pass == "flow" || pass == "direction") return e.flow.strength > 0;
-    if (pass == "refraction") return e.refraction.strength > 0;
-    if (pass == "reflection") return e.reflection.strength > 0;
-    if (pass == "outlines" || pass == "outline source") return e.outlines.strength > 0;
-    if (pass == "contours" || pass == "view curvature") return e.contours.strength > 0;
-    if (pass == "solid texture") return e.solid_texture.strength > 0;
-    if (pass == "curvature")
-        return e.curvature_colour.strength > 0 || e.curvature_map.strength > 0 ||
-               e.ridges.strength > 0 || e.accessibility.strength > 0;
-    return true;
+    bool is_of_effect = false;
+    for (const Layer& layer : layers_of(look)) {
+        const bool is_its =
+            pass == name_of(layer.image) || std::ranges::any_of(made_for, [&](const auto& one) {
+                return pass == one.first && layer.image == one.second;
+            });
+        if (is_its && layer.strength > 0) return true;
+        is_of_effect = is_of_effect || is_its;
+    }
+    return !is_of_effect;
 }
 
 } // namespace
@@ -49,11 +58,6 @@ void Pace::saw(const FrameReport& report, double pixels, double wall_millisecond
     }
     const double overhead = std::max(0.0, wall_milliseconds - sum);
     overhead_ = overhead_ == 0 ? overhead : (overhead_ + overhead) / 2;
-}
-
-double Pace::milliseconds_per_pixel(const std::string& pass) const {
-    const auto found = per_pixel_.find(pass);
-    return found == per_pixel_.end() ? 0 : found->second;
 }
 
 double Pace::expected_milliseconds(const Look& look, double pixels, bool has_effects) const {

@@ -29,9 +29,6 @@ public:
     /// greatest there is if none is enough. Nothing is reduced of what was never seen.
     Reduction reduction_for(const Look& look, double pixels, double target_milliseconds) const;
 
-    /// What one of a look's effects took for a pixel when it was last drawn, with the passes that
-    /// it alone needs; nothing if it never was [ms].
-    double milliseconds_per_pixel(const std::string& pass) const;
     /// Of a whole picture with, or without, the look's expensive effects.
     double expected_milliseconds(const Look& look, double pixels, bool has_effects) const;
 

@@ -85,7 +85,7 @@ Eigen::Vector2f Panels::margins() const {
 void Panels::pin(const Probe& probe) {
     // Two are measured between; a third begins anew.
     if (pins_.size() == 2) pins_.clear();
-    pins_.push_back({probe});
+    pins_.push_back(probe);
 }
 
 void Panels::mark(const std::string& name) {
@@ -95,7 +95,6 @@ void Panels::mark(const std::string& name) {
 }
 
 bool Panels::header(const char* name, bool is_open) {
-    if (!only_.empty()) ImGui::SetNextItemOpen(only_ == name);
     const bool shows = ImGui::CollapsingHeader(name, is_open ? ImGuiTreeNodeFlags_DefaultOpen : 0);
     mark(name);
     return shows;
@@ -276,14 +275,14 @@ void Panels::draw_probe() {
     for (std::size_t i = 0; i < pins_.size(); ++i) {
         ImGui::Separator();
         ImGui::Text("pin %d", static_cast<int>(i + 1));
-        ImGui::TextUnformatted(pins_[i].probe.text().c_str());
+        ImGui::TextUnformatted(pins_[i].text().c_str());
     }
     if (pins_.size() == 2)
-        ImGui::Text("distance %.6g", (pins_[1].probe.p_world - pins_[0].probe.p_world).norm());
+        ImGui::Text("distance %.6g", (pins_[1].p_world - pins_[0].p_world).norm());
     if (pins_.empty()) return;
     if (ImGui::Button("Copy")) {
         std::string text;
-        for (const Pin& pin : pins_) text += pin.probe.text() + "\n\n";
+        for (const Probe& pin : pins_) text += pin.text() + "\n\n";
         ImGui::SetClipboardText(text.c_str());
     }
     mark("copy");
@@ -319,9 +318,8 @@ void Panels::draw_marks(double pixels_per_unit) {
         line(probe.p_world, probe.p_world + arm * probe.normal, IM_COL32(30, 150, 60, 255));
     };
     if (is_probing_ && probe_) cross(*probe_);
-    for (const Pin& pin : pins_) cross(pin.probe);
-    if (pins_.size() == 2)
-        line(pins_[0].probe.p_world, pins_[1].probe.p_world, IM_COL32(30, 30, 30, 255));
+    for (const Probe& pin : pins_) cross(pin);
+    if (pins_.size() == 2) line(pins_[0].p_world, pins_[1].p_world, IM_COL32(30, 30, 30, 255));
 }
 
 void Panels::draw_status() {
@@ -336,14 +334,15 @@ void Panels::draw_status() {
                      ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoInputs);
     const Canvas& canvas = viewer_.canvas();
     const int rounds = canvas.complete_rounds();
-    ImGui::Text(
-        "%d x %d   %s   %s   ? for keys", canvas.width(), canvas.height(),
-        rounds == 0 ? "coarse"
-        : canvas.is_complete(viewer_.options().samples)
-            ? fmt::format("{} rays a pixel", viewer_.options().samples).c_str()
-            : fmt::format("{} of {} rays a pixel", std::min(rounds, viewer_.options().samples - 1),
-                                  viewer_.options().samples).c_str(),
-        viewer_.driver().renderer.c_str());
+    ImGui::Text("%d x %d   %s   %s   ? for keys", canvas.width(), canvas.height(),
+                rounds == 0 ? "coarse"
+                : canvas.is_complete(viewer_.options().samples)
+                    ? fmt::format("{} rays a pixel", viewer_.options().samples).c_str()
+                    : fmt::format("{} of {} rays a pixel",
+                                  std::min(rounds, viewer_.options().samples - 1),
+                                  viewer_.options().samples)
+                          .c_str(),
+                viewer_.driver().renderer.c_str());
     ImGui::End();
     ImGui::PopStyleVar(2);
 }

@@ -7,11 +7,6 @@
 
 namespace isocast::view {
 
-/// A point that was clicked.
-struct Pin {
-    Probe probe;
-};
-
 /// Everything that is drawn over the canvas, by Dear ImGui.
 class Panels {
 public:
@@ -32,12 +27,9 @@ public:
     bool is_probing() const { return is_probing_; }
     void pin(const Probe& probe);
     void remember(const std::filesystem::path& file);
-    const std::vector<Pin>& pins() const { return pins_; }
 
     /// Where some controls are: left, top, right, bottom, in ImGui's units; for --trace.
     const std::map<std::string, std::array<float, 4>>& places() const { return places_; }
-    /// The panel that alone is open; all as they are if empty.
-    void open_only(const std::string& panel) { only_ = panel; }
 
 private:
     bool header(const char* name, bool is_open);
@@ -70,10 +62,9 @@ private:
     int most_steps_ = 64;
     double max_error_voxels_ = 0.1; // that is asked for
     std::optional<Probe> probe_;
-    std::vector<Pin> pins_;
+    std::vector<Probe> pins_; // that were clicked: two at most
     std::map<std::string, std::array<float, 4>> places_;
     std::map<std::string, std::string> texts_; // that are being typed, by key
-    std::string only_;
     std::string path_;
 };
 

@@ -96,8 +96,7 @@ void Viewer::finish_comparing() {
         const Image& reference = done->picture();
         renderer_.set_look(loaded_.look);
         renderer_.draw(done->camera(), done->width(), done->height(), {FrameImage::Beauty});
-        const Difference difference =
-            difference_of(renderer_.read(FrameImage::Beauty), reference);
+        const Difference difference = difference_of(renderer_.read(FrameImage::Beauty), reference);
         canvas_.show_picture(difference.picture);
         say(fmt::format("from the reference at {} x {}: {:.2g} at most, rms {:.2g} (1 is white); "
                         "shown {:.0f} times",

@@ -150,6 +150,10 @@ TEST(Pace, DearEffectsGoBeforeResolutionDoes) {
     EXPECT_EQ(pace.reduction_for(look, 1e6, 300), (Reduction{2, true}));
     look.effects.occlusion.strength = 0; // what is off costs nothing
     EXPECT_EQ(pace.reduction_for(look, 1e6, 33), (Reduction{1, true}));
+    pace.saw(report_of({{"curvature", 500}, {"curvature colour", 500}}), 1e6, 1000);
+    EXPECT_EQ(pace.reduction_for(look, 1e6, 33), (Reduction{1, true}));
+    look.effects.ridges.strength = 1; // needs curvatures, too
+    EXPECT_NE(pace.reduction_for(look, 1e6, 33), (Reduction{1, true}));
     EXPECT_EQ(without_expensive_effects(look).effects.occlusion.strength, 0);
 }
 

@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 
 namespace isocast {
 
@@ -126,6 +127,15 @@ double bytes_from(std::string_view text) {
     const double count = number_from(text);
     if (!(count > 0)) throw UsageError(fmt::format("'{}' is not a size above 0", text));
     return count * unit;
+}
+
+std::filesystem::path config_folder() {
+    const char* config = std::getenv("XDG_CONFIG_HOME");
+    const char* home = std::getenv("HOME");
+    const std::filesystem::path folder = config && *config ? std::filesystem::path(config)
+                                         : home            ? std::filesystem::path(home) / ".config"
+                                                           : std::filesystem::path();
+    return folder.empty() ? folder : folder / "isocast";
 }
 
 std::filesystem::path first_folder_of(const std::vector<std::filesystem::path>& folders) {

@@ -52,6 +52,10 @@ std::unique_ptr<FieldSource> read_field(const Input& input,
 ///             be written to
 void check_output(const std::filesystem::path& path, const std::vector<std::string>& extensions);
 
+/// Where a user's own settings lie: $XDG_CONFIG_HOME/isocast, or that in ~/.config; empty for a
+/// user who has neither.
+std::filesystem::path config_folder();
+
 /// throws  std::runtime_error if none of the folders exists
 std::filesystem::path first_folder_of(const std::vector<std::filesystem::path>& folders);
 

@@ -133,14 +133,9 @@ private:
         loaded_ = composed(now);
         loaded_.look = look_of(now, is_opaque(now, command_.output));
         seconds_.field += step_.lap();
-        if (!fetch_ && !loaded_.objects.empty()) {
-            // Where one needs Catmull-Rom's, fetches must serve that.
-            const auto hardest =
-                std::ranges::max_element(loaded_.objects, {}, [](const FieldObject& object) {
-                    return kernel_of(object.filter) == Kernel::CatmullRom;
-                });
-            fetch_ = choose_fetch(*renderer_, context_->driver(), hardest->filter, loaded_.storage);
-        }
+        if (!fetch_ && !loaded_.objects.empty())
+            fetch_ = choose_fetch(*renderer_, context_->driver(), hardest_filter(loaded_),
+                                  loaded_.storage);
         if (fetch_) loaded_.storage.fetch = fetch_->fetch;
         renderer_->load(loaded_, progress_);
         renderer_->set_look_numbers(std::move(numbers));
@@ -181,9 +176,7 @@ private:
             renderer_->set_look(look_of(now, is_opaque(now, command_.output)));
         if (change < Change::Iso) return;
         const Scene moved = composed(now);
-        for (std::size_t i = 0; i < moved.objects.size(); ++i)
-            if (moved.objects[i].iso_world != loaded_.objects[i].iso_world)
-                renderer_->set_iso(moved.objects[i].iso_world, static_cast<int>(i));
+        renderer_->set_isos(moved.objects);
         loaded_.objects = moved.objects;
         seconds_.load += step_.lap();
     }
@@ -236,15 +229,8 @@ private:
     }
 
     void warn_if_nothing_is_seen() {
-        if (renderer_ ? renderer_->has_surface() : reference_.shown().is_any()) return;
-        if (is_composed(loaded_)) {
-            warn("nothing is left of the objects together");
-            return;
-        }
-        const FieldObject& object = loaded_.objects.front();
-        const ValueRange range = object.field->value_range(object.field->extent());
-        warn(fmt::format("the field never crosses the iso value {}: its values lie in {} ... {}",
-                         object.iso_world, range.min, range.max));
+        if (!(renderer_ ? renderer_->has_surface() : reference_.shown().is_any()))
+            warn(why_nothing_is_seen(loaded_));
     }
 
     void report(const FrameReport& frame) const {

@@ -458,6 +458,14 @@ Scene SceneObjects::compose(const SceneFile& scene, const Progress& progress,
     return out;
 }
 
+std::string why_nothing_is_seen(const Scene& scene) {
+    if (is_composed(scene)) return "nothing is left of the objects together";
+    const FieldObject& object = scene.objects.front();
+    const ValueRange range = object.field->value_range(object.field->extent());
+    return fmt::format("the field never crosses the iso value {}: its values lie in {} ... {}",
+                       object.iso_world, range.min, range.max);
+}
+
 Look look_of(const SceneFile& scene, bool is_opaque) {
     Look look = scene.look;
     if (!is_opaque) {

@@ -121,6 +121,9 @@ private:
     std::map<std::size_t, MadeGlyphs> glyphs_; // by object
 };
 
+/// For people, of a scene of fields whose surface is nowhere.
+std::string why_nothing_is_seen(const Scene& scene);
+
 /// The look of the scene. Pictures that are not opaque have no background.
 Look look_of(const SceneFile& scene, bool is_opaque);
 

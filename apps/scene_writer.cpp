@@ -1,7 +1,7 @@
 // A SceneFile to TOML, by the table of keys.
 // SPDX-License-Identifier: MPL-2.0
-#include "apps/accuracy/measurement.h"
 #include "apps/scene_keys.h"
+#include "volume/atomic_file.h"
 #include "volume/errors.h"
 
 #include <fmt/format.h>

@@ -45,10 +45,8 @@ void print_row(const std::string& what, const Mesh& mesh, int resolution, double
     fmt::print("\n");
 }
 
-} // namespace
-
-/// Beside the built-in meshes, those of files.
-int main(int argc, char** argv) {
+/// files  meshes, beside the built-in ones
+void run(const std::vector<std::string>& files) {
     fmt::print("Spheres; exact bands by scan conversion beside CSC (one thread, reference).\n");
     fmt::print("{:<28} {:>10} {:>12} {:>9} {:>8} {:>8} {:>9} {:>7}\n", "", "triangles", "samples",
                "scan s", "ns/samp.", "evals", "CSC s", "ratio");
@@ -61,7 +59,18 @@ int main(int argc, char** argv) {
         print_row(fmt::format("resolution {}, band 0.1", resolution), sphere6, resolution, 0.1);
     for (const char* name : {"sphere6", "knot", "torus", "seashell"})
         print_row(fmt::format("{}, 256, band 0.1", name), sample_mesh(name), 256, 0.1);
-    for (int i = 1; i < argc; ++i)
-        print_row(fmt::format("{}, 256, band 0.1", std::filesystem::path(argv[i]).stem().string()),
-                  read_mesh(argv[i]), 256, 0.1);
+    for (const std::string& file : files)
+        print_row(fmt::format("{}, 256, band 0.1", std::filesystem::path(file).stem().string()),
+                  read_mesh(file), 256, 0.1);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    try {
+        run({argv + 1, argv + argc});
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "bench_scaling: {}\n", error.what());
+        return 1;
+    }
 }

@@ -53,6 +53,14 @@ std::vector<FetchTime> time_fetches(Renderer& renderer, Filter filter,
     return times;
 }
 
+Filter hardest_filter(const Scene& scene) {
+    return std::ranges::max_element(scene.objects, {},
+                                    [](const FieldObject& object) {
+                                        return kernel_of(object.filter) == Kernel::CatmullRom;
+                                    })
+        ->filter;
+}
+
 FetchChoice choose_fetch(Renderer& renderer, const gl::DriverInfo& driver, Filter filter,
                          const StorageOptions& storage) {
     if (is_software_rasteriser(driver.renderer))

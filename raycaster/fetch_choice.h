@@ -36,6 +36,10 @@ FetchChoice fastest_fetch(std::span<const FetchTime> times);
 std::vector<FetchTime> time_fetches(Renderer& renderer, Filter filter,
                                     const StorageOptions& storage, int size = 512);
 
+/// That of a scene's objects which asks most of fetches: where one needs Catmull-Rom's, they must
+/// serve that. The scene has objects.
+Filter hardest_filter(const Scene& scene);
+
 /// The fastest. On software rasterisers rows without a measurement: compiling the probes would take
 /// longer than a frame, and rows are the fastest there (docs/raycasting.md).
 FetchChoice choose_fetch(Renderer& renderer, const gl::DriverInfo& driver, Filter filter,

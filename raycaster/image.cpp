@@ -88,9 +88,16 @@ std::vector<float> bottom_up(const Image& image) {
     return texels;
 }
 
+double srgb_decoded(double srgb) {
+    return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
+}
+
+float srgb_encoded(float linear) {
+    return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;
+}
+
 float linear_from_srgb(int byte) {
-    const double s = byte / 255.0;
-    return static_cast<float>(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
+    return static_cast<float>(srgb_decoded(byte / 255.0));
 }
 
 Image read_picture(const std::filesystem::path& path) {

@@ -28,7 +28,11 @@ struct Image {
 /// The bottom row first, as textures have it.
 std::vector<float> bottom_up(const Image& image);
 
-/// IEC 61966-2-1 transfer function, from 8 bits.
+/// sRGB's transfer function and its inverse, of a channel in [0, 1].
+/// source  IEC 61966-2-1
+float srgb_encoded(float linear);
+double srgb_decoded(double srgb);
+/// From 8 bits.
 float linear_from_srgb(int byte);
 
 /// A PNG or OpenEXR file by its extension, as linear RGB and coverage: of PNG the sRGB colours, of

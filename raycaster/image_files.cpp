@@ -29,12 +29,11 @@ namespace isocast {
 
 namespace {
 
-/// IEC 61966-2-1 transfer function, to 8 bits.
+/// To 8 bits.
 png_byte srgb_byte(float linear) {
     // NaN becomes 0: the comparison is false for it.
     const float c = linear > 0 ? std::min(linear, 1.0f) : 0.0f;
-    const float s = c <= 0.0031308f ? 12.92f * c : 1.055f * std::pow(c, 1 / 2.4f) - 0.055f;
-    return static_cast<png_byte>(std::lround(255 * s));
+    return static_cast<png_byte>(std::lround(255 * srgb_encoded(c)));
 }
 
 [[noreturn]] void fail(const std::filesystem::path& path, const char* cause) {

@@ -19,6 +19,7 @@
 #include <algorithm>
 #include <map>
 #include <stdexcept>
+#include <utility>
 
 namespace isocast {
 
@@ -178,9 +179,13 @@ void Renderer::set_quality(const Quality& quality) {
     check_quality(quality, is_composed(scene_));
     if (quality.traversal != scene_.quality.traversal || quality.splats != scene_.quality.splats)
         throw std::logic_error("another traversal or shading of splats needs a new load");
-    scene_.quality = quality;
-    check_residence();
-    forget_parts();
+    const Quality before = std::exchange(scene_.quality, quality);
+    try {
+        check_residence();
+    } catch (...) {
+        scene_.quality = before;
+        throw;
+    }
 }
 
 void Renderer::keep_parts(std::size_t count) {
@@ -200,6 +205,12 @@ void Renderer::set_iso(double iso_world, int object) {
     check_residence();
 }
 
+void Renderer::set_isos(const std::vector<FieldObject>& objects) {
+    for (std::size_t i = 0; i < objects.size(); ++i)
+        if (objects[i].iso_world != objects_.at(i)->object().iso_world)
+            set_iso(objects[i].iso_world, static_cast<int>(i));
+}
+
 void Renderer::set_look_numbers(LookNumbers numbers) {
     look_numbers_ = std::move(numbers);
     std::erase_if(look_numbers_, [](const auto& found) { return !found.second.value; });
@@ -212,7 +223,7 @@ void Renderer::forget_parts() {
 }
 
 void Renderer::check_residence() {
-    forget_parts();
+    forget_parts();                             // they were of another surface, or found otherwise
     set_look_numbers(std::move(look_numbers_)); // what the surface did not have it may have now
     // Refining a sampled hit reads the block before as well, which may be gone by then; and only a
     // place in a list is kept from pass to pass.

@@ -51,6 +51,8 @@ public:
     /// are cut anew, since samples are stored as f - iso: near the surface, where these are small,
     /// that keeps the digits that sums of f would lose. throws  as load
     void set_iso(double iso_world, int object = 0);
+    /// The same of those that differ. objects  the scene's, with other iso values
+    void set_isos(const std::vector<FieldObject>& objects);
 
     /// Changes how rays search, but for the traversal. throws  as load
     void set_quality(const Quality& quality);

@@ -10,6 +10,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <fstream>
 #include <random>
 
 namespace isocast {
@@ -47,6 +48,15 @@ void AtomicFile::commit() {
             fmt::format("cannot write {}: {}", final_path_.string(), error.message()));
     }
     temporary_path_.clear();
+}
+
+void write_text_file(const std::string& text, const std::filesystem::path& path) {
+    AtomicFile file(path);
+    std::ofstream out(file.temporary_path(), std::ios::binary);
+    out << text;
+    out.close();
+    if (!out) throw ResourceError(fmt::format("{}: cannot be written", path.string()));
+    file.commit();
 }
 
 } // namespace isocast

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 namespace isocast {
 
@@ -27,5 +28,8 @@ private:
     std::filesystem::path final_path_;
     std::filesystem::path temporary_path_;
 };
+
+/// throws  InputError if the folder does not exist; ResourceError if it cannot be written
+void write_text_file(const std::string& text, const std::filesystem::path& path);
 
 } // namespace isocast

@@ -1,13 +1,12 @@
 // The file of a front: what `isocast accuracy --calibrate` measured.
 // SPDX-License-Identifier: MPL-2.0
-#include "apps/accuracy/measurement.h"
 #include "apps/accuracy/promise.h"
+#include "volume/atomic_file.h"
 #include "volume/errors.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <cstdlib>
 #include <fstream>
 
 namespace isocast {
@@ -37,13 +36,8 @@ std::vector<FrontPoint> points_from(const Json& json) {
 } // namespace
 
 std::filesystem::path own_front_path() {
-    const char* config = std::getenv("XDG_CONFIG_HOME");
-    const char* home = std::getenv("HOME");
-    const std::filesystem::path folder = config && *config ? std::filesystem::path(config)
-                                         : home            ? std::filesystem::path(home) / ".config"
-                                                           : std::filesystem::path();
-    if (folder.empty()) return {}; // nobody's
-    return folder / "isocast" / "front.json";
+    const std::filesystem::path folder = config_folder();
+    return folder.empty() ? folder : folder / "front.json";
 }
 
 Front read_front(const std::vector<std::filesystem::path>& data_folders) {

@@ -180,13 +180,4 @@ void write_csv(std::span<const Measurement> all, const std::filesystem::path& pa
     write_text_file(text, path);
 }
 
-void write_text_file(const std::string& text, const std::filesystem::path& path) {
-    AtomicFile file(path);
-    std::ofstream out(file.temporary_path(), std::ios::binary);
-    out << text;
-    out.close();
-    if (!out) throw ResourceError(fmt::format("{}: cannot be written", path.string()));
-    file.commit();
-}
-
 } // namespace isocast

@@ -42,9 +42,7 @@ Measurement measurement_from(const nlohmann::ordered_json& json);
 /// Each stage with its points and its front, by their places in `all`.
 nlohmann::ordered_json stages_json(std::span<const Measurement> all);
 
-/// A row for each measurement.
+/// A row for each measurement. throws  as write_text_file
 void write_csv(std::span<const Measurement> all, const std::filesystem::path& path);
-/// The file appears whole, in the place of the last one.
-void write_text_file(const std::string& text, const std::filesystem::path& path);
 
 } // namespace isocast

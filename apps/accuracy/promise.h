@@ -37,7 +37,7 @@ struct Front {
     std::vector<FrontPoint> fields;
 };
 
-/// $XDG_CONFIG_HOME/isocast/front.json, or that in ~/.config.
+/// front.json in the user's config_folder().
 std::filesystem::path own_front_path();
 /// The one that was measured on this machine, or else the one that comes with the program.
 /// throws  InputError that names the file and the cause

@@ -2,6 +2,7 @@
 #include "apps/accuracy/run.h"
 
 #include "raycaster/image_files.h"
+#include "volume/atomic_file.h"
 #include "volume/errors.h"
 #include "volume/stopwatch.h"
 

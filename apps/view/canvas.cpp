@@ -55,10 +55,19 @@ void Canvas::restart(const Camera& camera) {
     round_ = 0;
 }
 
-void Canvas::restart_look() {
+void Canvas::set_look(const Look& look) {
+    renderer_.set_look(look);
+    look_ = look;
+    has_all_effects_ = true;
     for (Part& part : parts_) part.first = part.kept;
     next_ = 0;
     round_ = 0;
+}
+
+void Canvas::show_effects(bool has_all) {
+    if (has_all == has_all_effects_) return;
+    renderer_.set_look(has_all ? look_ : without_expensive_effects(look_));
+    has_all_effects_ = has_all;
 }
 
 Step Canvas::draw(const PicturePart& part, int width, int height) {
@@ -72,13 +81,12 @@ Step Canvas::draw(const PicturePart& part, int width, int height) {
     return step;
 }
 
-Step Canvas::draw_coarse(const Look& look, double target_milliseconds) {
+Step Canvas::draw_coarse(double target_milliseconds) {
     const Reduction reduction =
-        pace_.reduction_for(look, double(width()) * height(), target_milliseconds);
+        pace_.reduction_for(look_, double(width()) * height(), target_milliseconds);
     const int coarse_width = std::max(1, width() / reduction.divisor);
     const int coarse_height = std::max(1, height() / reduction.divisor);
-    const Look shown = reduction.has_effects ? look : without_expensive_effects(look);
-    if (renderer_.look() != shown) renderer_.set_look(shown);
+    show_effects(reduction.has_effects);
     const PicturePart whole{.width = coarse_width, .height = coarse_height};
     Step step = draw(whole, coarse_width, coarse_height);
     step.is_coarse = true;
@@ -89,11 +97,11 @@ Step Canvas::draw_coarse(const Look& look, double target_milliseconds) {
     return step;
 }
 
-void Canvas::choose_parts(const Look& look, double target_milliseconds) {
+void Canvas::choose_parts(double target_milliseconds) {
     const double pixels = double(width()) * height();
     int count = 1;
     while (count < static_cast<int>(most_parts) &&
-           pace_.expected_milliseconds(look, pixels / count, true) > target_milliseconds)
+           pace_.expected_milliseconds(look_, pixels / count, true) > target_milliseconds)
         ++count;
     // As square as they can be; even, since effects look at quads.
     const auto edge = static_cast<int>(std::ceil(std::sqrt(pixels / count)));
@@ -108,21 +116,21 @@ bool Canvas::is_complete(int samples) const {
     });
 }
 
-std::optional<Step> Canvas::refine(const Look& look, double target_milliseconds, int samples) {
+std::optional<Step> Canvas::refine(double target_milliseconds, int samples) {
     if (is_complete(samples)) return std::nullopt;
     if (!coarse_.is_empty()) { // until parts take its place
         blit(coarse_, coarse_framebuffer_, shown_framebuffer_.id(), 0, 0);
         coarse_framebuffer_ = {};
         coarse_ = {};
     }
-    if (renderer_.look() != look) renderer_.set_look(look);
-    if (parts_.empty()) choose_parts(look, target_milliseconds);
+    show_effects(true);
+    if (parts_.empty()) choose_parts(target_milliseconds);
     while (round_ >= parts_[next_].rounds(samples)) next_ = (next_ + 1) % parts_.size();
     Part& part = parts_[next_];
     const bool has_middle = part.first < 0;
     const int sample = has_middle ? round_ - 1 : (part.first + round_) % samples;
     const int count = has_middle ? std::max(round_, 1) : round_ + 1;
-    PicturePart around = with_reach(part.part, reach_pixels(look), width(), height());
+    PicturePart around = with_reach(part.part, reach_pixels(look_), width(), height());
     if (sample >= 0)
         around.shift = sample_shifts(samples, PixelFilter::Box)[static_cast<std::size_t>(sample)];
     part.kept = sample;

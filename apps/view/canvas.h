@@ -37,18 +37,17 @@ public:
 
     /// Hits are others: all is drawn again. What is on the canvas stays until then.
     void restart(const Camera& camera);
-    /// Only the look is another: the first round takes the hits that are kept.
-    void restart_look();
+    /// Another look, of the same hits: the first round takes those that are kept.
+    /// throws  as Renderer::set_look; then it is as before
+    void set_look(const Look& look);
     const Camera& camera() const { return camera_; }
 
     /// The whole picture, with what can be drawn of it in that time.
-    ///
-    /// look  the scene's; less may be shown
-    Step draw_coarse(const Look& look, double target_milliseconds);
+    Step draw_coarse(double target_milliseconds);
     /// The next part, which takes about that time; nothing if all rounds are drawn.
     ///
     /// samples  of a pixel in the end, as in sample_shifts()
-    std::optional<Step> refine(const Look& look, double target_milliseconds, int samples);
+    std::optional<Step> refine(double target_milliseconds, int samples);
     /// Whether all samples are there.
     bool is_complete(int samples) const;
     /// Rounds that are complete: 0 while some of the canvas is coarse.
@@ -75,7 +74,9 @@ private:
         int rounds(int samples) const { return samples > 1 && first < 0 ? samples + 1 : samples; }
     };
     Step draw(const PicturePart& part, int width, int height);
-    void choose_parts(const Look& look, double target_milliseconds);
+    /// Gives the renderer the look, or less of it, unless it has that.
+    void show_effects(bool has_all);
+    void choose_parts(double target_milliseconds);
     /// What the renderer drew last.
     const gl::Texture& drawn() const;
     void show_coarse();
@@ -103,6 +104,8 @@ private:
     gl::Texture coarse_; // shown in its place, if there is one
     gl::Framebuffer coarse_framebuffer_;
     Camera camera_;
+    Look look_;
+    bool has_all_effects_ = true; // the renderer's look
     std::optional<int> most_steps_;
     Pace pace_;
     std::vector<Part> parts_; // none: they are to be chosen

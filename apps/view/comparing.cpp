@@ -1,46 +1,23 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "apps/view/comparing.h"
 
-#include "volume/errors.h"
-
 #include <algorithm>
 #include <cmath>
 
 namespace isocast::view {
 
-Comparing::Comparing(Scene scene, const Camera& camera, int width, int height,
+Comparing::Comparing(Scene scene, const Camera& seen_by, int seen_width, int seen_height,
                      std::function<void()> wake)
-    : camera_(camera), width_(width), height_(height), wake_(std::move(wake)),
-      thread_([this, scene = std::move(scene)] { run(scene); }) {}
-
-Comparing::~Comparing() {
-    is_cancelled_ = true;
-    thread_.join();
-}
-
-void Comparing::run(Scene scene) {
-    try {
-        const Progress progress = [this](std::string_view, double fraction) {
-            if (is_cancelled_) throw Interrupted();
-            fraction_ = fraction;
-            wake_();
-        };
-        ReferenceRenderer renderer;
-        renderer.load(std::move(scene), progress);
-        renderer.draw(camera_, width_, height_, {FrameImage::Beauty},
-                      {.width = width_, .height = height_}, progress);
-        picture_ = renderer.read(FrameImage::Beauty);
-    } catch (...) {
-        failure_ = std::current_exception();
-    }
-    is_done_ = true;
-    wake_();
-}
-
-const Image& Comparing::picture() const {
-    if (failure_) std::rethrow_exception(failure_);
-    return picture_;
-}
+    : camera(seen_by), width(seen_width), height(seen_height),
+      work(
+          [this, scene = std::move(scene)](const Progress& progress) {
+              ReferenceRenderer renderer;
+              renderer.load(scene, progress);
+              renderer.draw(camera, width, height, {FrameImage::Beauty},
+                            {.width = width, .height = height}, progress);
+              picture = renderer.read(FrameImage::Beauty);
+          },
+          std::move(wake)) {}
 
 Difference difference_of(const Image& a, const Image& b) {
     Difference out{.picture = {a.width, a.height, std::vector<float>(a.rgba.size())}};

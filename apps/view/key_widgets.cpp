@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "apps/view/key_widgets.h"
 
+#include "raycaster/image.h"
+
 #include <fmt/format.h>
 #include <imgui.h>
 #include <imgui_stdlib.h>
@@ -40,13 +42,9 @@ std::string word_of(const SceneValue& value) {
     return "";
 }
 
+/// What a screen can show of it.
 float srgb(double linear) {
-    linear = std::clamp(linear, 0.0, 1.0);
-    return static_cast<float>(linear <= 0.0031308 ? 12.92 * linear
-                                                  : 1.055 * std::pow(linear, 1 / 2.4) - 0.055);
-}
-double linear(float srgb) {
-    return srgb <= 0.04045F ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
+    return srgb_encoded(static_cast<float>(std::clamp(linear, 0.0, 1.0)));
 }
 
 std::optional<SceneValue> combo(const char* label, const SceneKey& key,
@@ -109,7 +107,8 @@ std::optional<SceneValue> key_widget(const SceneKey& key, const std::optional<Sc
         const auto& now = std::get<std::vector<double>>(*value);
         std::array<float, 3> shown{srgb(now[0]), srgb(now[1]), srgb(now[2])};
         if (ImGui::ColorEdit3(label, shown.data(), ImGuiColorEditFlags_NoInputs))
-            return std::vector<double>{linear(shown[0]), linear(shown[1]), linear(shown[2])};
+            return std::vector<double>{srgb_decoded(shown[0]), srgb_decoded(shown[1]),
+                                       srgb_decoded(shown[2])};
         return std::nullopt;
     }
     if (value && key.type == "[x, y, z]") {

@@ -10,13 +10,8 @@ namespace isocast::view {
 
 namespace {
 
-/// The passes that without_expensive_effects() does not run.
-constexpr std::array expensive{"shadow map", "shadow", "occlusion",
-                               "flow noise", "flow",   "direction"};
-
-bool is_expensive(const std::string& pass) {
-    return std::ranges::find(expensive, pass) != expensive.end();
-}
+/// Those that without_expensive_effects() leaves out.
+const ImageSet expensive{FrameImage::Shadow, FrameImage::Occlusion, FrameImage::Flow};
 
 /// Whose images passes that are no effect's own are made for.
 constexpr std::array made_for{std::pair{"shadow map", FrameImage::Shadow},
@@ -31,14 +26,15 @@ constexpr std::array made_for{std::pair{"shadow map", FrameImage::Shadow},
                               std::pair{"curvature", FrameImage::Ridges}};
 
 /// Whether the look runs that pass: an effect that is off costs nothing, whatever it once took.
-bool runs(const Look& look, const std::string& pass) {
+bool runs(const Look& look, const std::string& pass, bool has_expensive) {
     bool is_of_effect = false;
     for (const Layer& layer : layers_of(look)) {
         const bool is_its =
             pass == name_of(layer.image) || std::ranges::any_of(made_for, [&](const auto& one) {
                 return pass == one.first && layer.image == one.second;
             });
-        if (is_its && layer.strength > 0) return true;
+        if (is_its && layer.strength > 0 && (has_expensive || !expensive.contains(layer.image)))
+            return true;
         is_of_effect = is_of_effect || is_its;
     }
     return !is_of_effect;
@@ -63,7 +59,7 @@ void Pace::saw(const FrameReport& report, double pixels, double wall_millisecond
 double Pace::expected_milliseconds(const Look& look, double pixels, bool has_effects) const {
     double sum = 0;
     for (const auto& [pass, milliseconds] : per_pixel_)
-        if (runs(look, pass) && (has_effects || !is_expensive(pass))) sum += milliseconds;
+        if (runs(look, pass, has_effects)) sum += milliseconds;
     return overhead_ + pixels * sum;
 }
 

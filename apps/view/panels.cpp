@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "apps/view/panels.h"
 
-#include "apps/accuracy/measurement.h"
 #include "apps/view/key_widgets.h"
-#include "volume/errors.h"
+#include "volume/atomic_file.h"
 
 #include <fmt/format.h>
 #include <imgui.h>
@@ -56,8 +55,9 @@ std::optional<Eigen::Vector2d> seen_at(const Camera& camera, int width, int heig
 
 } // namespace
 
-Panels::Panels(Viewer& viewer, float scale, std::filesystem::path config_folder)
-    : viewer_(viewer), scale_(scale), recent_path_(std::move(config_folder) / "recent.txt") {
+Panels::Panels(Viewer& viewer, float scale, const std::filesystem::path& config_folder)
+    : viewer_(viewer), scale_(scale),
+      recent_path_(config_folder.empty() ? std::filesystem::path() : config_folder / "recent.txt") {
     std::ifstream file(recent_path_);
     for (std::string line; std::getline(file, line);) recent_.push_back(line);
 }
@@ -67,6 +67,7 @@ void Panels::remember(const std::filesystem::path& file) {
     std::erase(recent_, name);
     recent_.insert(recent_.begin(), name);
     if (recent_.size() > most_recent) recent_.resize(most_recent);
+    if (recent_path_.empty()) return; // nobody's
     std::string text;
     for (const std::string& line : recent_) text += line + "\n";
     try {
@@ -233,7 +234,7 @@ void Panels::draw_cost() {
                                promise->error_world, 1000 * promise->seconds);
     }
     if (viewer_.comparing() != nullptr)
-        ImGui::ProgressBar(static_cast<float>(viewer_.comparing()->fraction()));
+        ImGui::ProgressBar(static_cast<float>(viewer_.comparing()->work.state().fraction));
     else if (ImGui::Button("Difference from the reference"))
         viewer_.compare();
     mark("compare");
@@ -396,7 +397,7 @@ void Panels::draw_loading() {
     ImGui::SetNextWindowSize({360 * scale_, 0});
     ImGui::Begin("Loading", nullptr,
                  ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoSavedSettings);
-    const Loading::State state = loading->state();
+    const Work::State state = loading->work.state();
     ImGui::TextUnformatted(state.stage.c_str());
     ImGui::ProgressBar(static_cast<float>(state.fraction), ImVec2(-70 * scale_, 0));
     ImGui::SameLine();

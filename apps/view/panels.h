@@ -11,7 +11,7 @@ namespace isocast::view {
 class Panels {
 public:
     /// scale  of letters and lines: 1 on a screen of 96 dots an inch
-    Panels(Viewer& viewer, float scale, std::filesystem::path config_folder);
+    Panels(Viewer& viewer, float scale, const std::filesystem::path& config_folder);
 
     /// Within a frame of ImGui.
     ///

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "apps/verbs.h"
 
-#include "apps/accuracy/promise.h"
 #include "apps/console.h"
 #include "apps/parsed_option.h"
 #include "apps/render_options.h"
@@ -47,7 +46,7 @@ void view_scene(const ViewCommand& command, Console& console,
                         {.controls = command.controls,
                          .viewer = {.data_folders = data_folders,
                                     .target_milliseconds = command.target_milliseconds},
-                         .config_folder = own_front_path().parent_path(),
+                         .config_folder = config_folder(),
                          .trace = command.trace});
     if (!scene.objects.empty()) window.viewer().open(std::move(scene));
     window.run([&] {

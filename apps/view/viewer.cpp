@@ -3,6 +3,7 @@
 
 #include "apps/picture.h"
 #include "apps/picture_file.h"
+#include "apps/view/navigation.h"
 #include "volume/errors.h"
 
 #include <fmt/format.h>
@@ -62,7 +63,7 @@ void Viewer::open(SceneFile scene) {
         return;
     }
     if (loading_) {
-        loading_->cancel();
+        loading_->work.cancel();
         next_ = std::move(scene);
         return;
     }
@@ -70,6 +71,7 @@ void Viewer::open(SceneFile scene) {
 }
 
 void Viewer::start(SceneFile scene, Loading::Prepare prepare) {
+    asked_ = scene;
     loading_ = std::make_unique<Loading>(std::move(scene), std::move(prepare), objects_, wake_);
 }
 
@@ -93,14 +95,15 @@ void Viewer::compare() {
 void Viewer::finish_comparing() {
     const std::unique_ptr<Comparing> done = std::move(comparing_);
     try {
-        const Image& reference = done->picture();
-        renderer_.set_look(loaded_.look);
-        renderer_.draw(done->camera(), done->width(), done->height(), {FrameImage::Beauty});
-        const Difference difference = difference_of(renderer_.read(FrameImage::Beauty), reference);
+        done->work.finish();
+        canvas_.set_look(loaded_.look);
+        renderer_.draw(done->camera, done->width, done->height, {FrameImage::Beauty});
+        const Difference difference =
+            difference_of(renderer_.read(FrameImage::Beauty), done->picture);
         canvas_.show_picture(difference.picture);
         say(fmt::format("from the reference at {} x {}: {:.2g} at most, rms {:.2g} (1 is white); "
                         "shown {:.0f} times",
-                        done->width(), done->height(), difference.greatest, difference.rms,
+                        done->width, done->height, difference.greatest, difference.rms,
                         difference.gain));
     } catch (const std::exception& error) {
         say(fmt::format("no reference: {}", error.what()));
@@ -113,7 +116,7 @@ void Viewer::add_file(const std::filesystem::path& path) {
             open(read_scene_file(path));
             return;
         }
-        SceneFile scene = next_ ? *next_ : loading_ ? loading_->scene() : scene_;
+        SceneFile scene = next_ ? *next_ : loading_ ? asked_ : scene_;
         const Input input = input_from(path.string());
         SceneObject& object = scene.objects.emplace_back();
         (input.is_mesh()    ? object.mesh
@@ -126,7 +129,7 @@ void Viewer::add_file(const std::filesystem::path& path) {
 }
 
 void Viewer::cancel_loading() {
-    if (loading_) loading_->cancel();
+    if (loading_) loading_->work.cancel();
 }
 
 void Viewer::set_camera(const Camera& camera) {
@@ -150,15 +153,11 @@ void Viewer::frame() {
     CameraSpec spec{.direction_to_eye = (now.eye_world - now.target_world).normalized(),
                     .up = now.up};
     if (now.projection == Projection::Perspective) spec.fov_y_degrees = now.fov_y_degrees;
-    Camera framed = camera_from(spec, renderer_.surface_points_world(),
-                                double(canvas_.width()) / canvas_.height());
-    if (now.projection == Projection::Orthographic) {
-        framed.projection = Projection::Orthographic;
-        framed.height_world = 2 * framed.half_height_at(0) +
-                              2 * (framed.eye_world - framed.target_world).norm() *
-                                  std::tan(framed.fov_y_degrees / 360 * std::numbers::pi);
-    }
-    set_camera(framed);
+    const Camera framed = camera_from(spec, renderer_.surface_points_world(),
+                                      double(canvas_.width()) / canvas_.height());
+    set_camera(now.projection == framed.projection
+                   ? framed
+                   : with_other_projection(framed, framed.target_world));
 }
 
 void Viewer::resize(int width, int height) {
@@ -186,21 +185,15 @@ void Viewer::change(SceneFile scene, const std::string& key) {
             scene_ = std::move(scene);
             set_camera(camera());
         } else if (change_of_key(key) == Change::Look) {
-            const Look before = loaded_.look;
-            try {
-                loaded_.look = look_of(scene, true);
-                renderer_.set_look(loaded_.look);
-            } catch (...) {
-                loaded_.look = before;
-                throw;
-            }
+            const Look look = look_of(scene, true);
+            canvas_.set_look(look);
+            loaded_.look = look;
             scene_ = std::move(scene);
-            canvas_.restart_look();
-        } else if (change_of_key(key) == Change::Iso && !loading_) {
+        } else if (loading_) {
+            say("a scene is loading: wait for it, or cancel it");
+        } else if (change_of_key(key) == Change::Iso) {
             const Scene moved = objects_.compose(scene, {}, [](const std::string&) {});
-            for (std::size_t i = 0; i < moved.objects.size(); ++i)
-                if (moved.objects[i].iso_world != loaded_.objects[i].iso_world)
-                    renderer_.set_iso(moved.objects[i].iso_world, static_cast<int>(i));
+            renderer_.set_isos(moved.objects);
             loaded_.objects = moved.objects;
             scene_ = std::move(scene);
             set_camera(camera());
@@ -213,21 +206,21 @@ void Viewer::change(SceneFile scene, const std::string& key) {
 }
 
 bool Viewer::is_busy() const {
-    return (loading_ && loading_->is_done()) || (comparing_ && comparing_->is_done()) ||
+    return (loading_ && loading_->work.is_done()) || (comparing_ && comparing_->work.is_done()) ||
            (is_loaded_ && (is_moving_ || !canvas_.is_complete(options_.samples)));
 }
 
 std::optional<Step> Viewer::step(const std::function<void(std::string_view, double)>& pump) {
-    if (loading_ && loading_->is_done()) finish_loading(pump);
-    if (comparing_ && comparing_->is_done()) finish_comparing();
+    if (loading_ && loading_->work.is_done()) finish_loading(pump);
+    if (comparing_ && comparing_->work.is_done()) finish_comparing();
     if (!is_loaded_ || canvas_.width() == 0) return std::nullopt;
     try {
         std::optional<Step> step;
         if (is_moving_) {
             is_moving_ = false;
-            step = canvas_.draw_coarse(loaded_.look, options_.target_milliseconds);
+            step = canvas_.draw_coarse(options_.target_milliseconds);
         } else {
-            step = canvas_.refine(loaded_.look, options_.target_milliseconds, options_.samples);
+            step = canvas_.refine(options_.target_milliseconds, options_.samples);
         }
         if (step) count(*step);
         return step;
@@ -260,17 +253,16 @@ void Viewer::count(const Step& step) {
 
 void Viewer::finish_loading(const std::function<void(std::string_view, double)>& pump) {
     const std::unique_ptr<Loading> done = std::move(loading_);
-    const std::string what = done->scene().objects.empty()
-                                 ? ""
-                                 : name_of(done->scene(), done->scene().objects.size() - 1);
     try {
-        if (done->is_cancelled() && !next_) throw Interrupted();
-        if (!done->is_cancelled()) {
-            Scene scene = done->take();
-            for (const std::string& warning : done->warnings()) say(warning);
-            scene.look = look_of(done->scene(), true);
+        if (done->work.is_cancelled() && !next_) throw Interrupted();
+        if (!done->work.is_cancelled()) {
+            done->work.finish();
+            Scene scene = std::move(done->loaded);
+            for (const std::string& warning : done->warnings) say(warning);
+            scene.look = look_of(done->scene, true);
             const Scene before = loaded_;
             try {
+                choose_fetch_for(done->scene, scene);
                 load(std::move(scene), pump);
             } catch (...) {
                 if (is_loaded_) load(before, {});
@@ -278,9 +270,10 @@ void Viewer::finish_loading(const std::function<void(std::string_view, double)>&
             }
             const bool is_first = !is_loaded_;
             is_loaded_ = true;
-            take_scene(done->scene());
+            take_scene(done->scene);
             promise_ = promised_ ? std::optional(*promised_) : std::nullopt;
             ++load_count_;
+            if (!renderer_.has_surface()) say(why_nothing_is_seen(loaded_));
             if (is_first) reset_camera();
             set_camera(camera());
         }
@@ -297,14 +290,22 @@ void Viewer::finish_loading(const std::function<void(std::string_view, double)>&
     }
 }
 
+void Viewer::choose_fetch_for(const SceneFile& file, Scene& scene) {
+    if (!file.fetch && !scene.objects.empty() && (!fetch_ || fetch_for_ != hardest_filter(scene))) {
+        fetch_for_ = hardest_filter(scene);
+        fetch_ = choose_fetch(renderer_, context_.driver(), *fetch_for_, scene.storage);
+    }
+    if (file.fetch)
+        scene.storage.fetch = *file.fetch;
+    else if (fetch_)
+        scene.storage.fetch = fetch_->fetch;
+}
+
 void Viewer::load(Scene scene, const Progress& progress) {
     LookNumbers numbers = renderer_.look_numbers();
-    if (!fetch_ && !scene.objects.empty())
-        fetch_ =
-            choose_fetch(renderer_, context_.driver(), scene.objects.front().filter, scene.storage);
-    if (fetch_) scene.storage.fetch = fetch_->fetch;
     loaded_ = scene;
     renderer_.load(std::move(scene), progress);
+    canvas_.set_look(loaded_.look);
     renderer_.set_look_numbers(std::move(numbers));
 }
 
@@ -354,7 +355,7 @@ void Viewer::save_picture(const std::filesystem::path& path) {
     } catch (const std::exception& error) {
         say(error.what());
     }
-    renderer_.set_look(loaded_.look);
+    canvas_.set_look(loaded_.look);
     canvas_.restart(camera());
 }
 

@@ -97,6 +97,8 @@ private:
     void finish_comparing();
     void start(SceneFile scene, Loading::Prepare prepare);
     void finish_loading(const std::function<void(std::string_view, double)>& pump);
+    /// May draw a probe, after which nothing is loaded.
+    void choose_fetch_for(const SceneFile& file, Scene& scene);
     void load(Scene scene, const Progress& progress);
     void take_scene(SceneFile scene);
     SceneFile scene_as_seen() const;
@@ -112,12 +114,14 @@ private:
     std::unique_ptr<Comparing> comparing_;
     std::shared_ptr<Promise> promised_; // by what is loading
     std::optional<Promise> promise_;
+    SceneFile asked_;               // that it loads
     std::optional<SceneFile> next_; // to be loaded once that is done
     SceneFile scene_;
     Scene loaded_;
     bool is_loaded_ = false;
     int load_count_ = 0;
-    std::optional<FetchChoice> fetch_;
+    std::optional<FetchChoice> fetch_; // if the scene leaves it open
+    std::optional<Filter> fetch_for_;
     Vec3d pivot_world_ = Vec3d::Zero();
     bool is_moving_ = true; // the next step draws coarsely
     std::optional<Histogram> histogram_;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "raycaster/effects/colour_maps.h"
 
+#include "raycaster/image.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,11 +11,6 @@
 namespace isocast {
 
 namespace {
-
-/// IEC 61966-2-1.
-double linear_from_srgb(double c) {
-    return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
-}
 
 Vec3d viridis(double t) {
     // Every 15th of the 256 published.
@@ -42,7 +39,7 @@ Vec3d viridis(double t) {
     const double a = place - static_cast<double>(i);
     Vec3d colour;
     for (std::size_t c = 0; c < 3; ++c)
-        colour[static_cast<int>(c)] = linear_from_srgb((1 - a) * srgb[i][c] + a * srgb[i + 1][c]);
+        colour[static_cast<int>(c)] = srgb_decoded((1 - a) * srgb[i][c] + a * srgb[i + 1][c]);
     return colour;
 }
 

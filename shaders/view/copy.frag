@@ -15,7 +15,7 @@ vec3 heat(float x) {
     return clamp(vec3(2.0 * x - 0.6, 1.6 - abs(3.2 * x - 1.6), 1.0 - 2.5 * x), 0.0, 1.0);
 }
 
-// IEC 61966-2-1.
+// twin  raycaster/image.h: srgb_encoded
 vec3 srgb(vec3 linear) {
     return mix(12.92 * linear, 1.055 * pow(max(linear, 0.0031308), vec3(1.0 / 2.4)) - 0.055,
                step(0.0031308, linear));

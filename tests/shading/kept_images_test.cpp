@@ -145,46 +145,22 @@ TEST_F(KeptImages, AreWhatTheyWouldBeDrawnAnew) {
         scene.look = {};
         renderer.load(scene);
         std::mt19937 random(5);
-        const auto toggle = [&](double& strength) { strength = double(random() % 3) / 2; };
+        Effects& e = scene.look.effects;
+        const std::array strengths{&e.solid_texture.strength, &e.curvature_colour.strength,
+                                   &e.curvature_map.strength, &e.uncertainty.strength,
+                                   &e.flow.strength,          &e.accessibility.strength,
+                                   &e.ridges.strength,        &e.contours.strength,
+                                   &e.outlines.strength};
         for (int i = 0; i < 15; ++i) {
-            Effects& e = scene.look.effects;
-            switch (random() % 12) {
-            case 0:
-                toggle(e.solid_texture.strength);
-                break;
-            case 1:
-                toggle(e.curvature_colour.strength);
-                break;
-            case 2:
-                toggle(e.curvature_map.strength);
-                break;
-            case 3:
-                toggle(e.uncertainty.strength);
-                break;
-            case 4:
-                toggle(e.flow.strength);
-                break;
-            case 5:
-                toggle(e.accessibility.strength);
-                break;
-            case 6:
-                toggle(e.ridges.strength);
-                break;
-            case 7:
-                toggle(e.contours.strength);
-                break;
-            case 8:
-                toggle(e.outlines.strength);
-                break;
-            case 9:
+            const std::size_t which = random() % (strengths.size() + 3);
+            if (which < strengths.size())
+                *strengths[which] = double(random() % 3) / 2;
+            else if (which == strengths.size())
                 e.contours.thickness_pixels = 1 + double(random() % 3);
-                break;
-            case 10:
+            else if (which == strengths.size() + 1)
                 scene.look.lights[0].shadow = Shadow(random() % 3);
-                break;
-            default:
+            else
                 e.solid_texture.kind = SolidTexture::Kind(random() % 4);
-            }
             renderer.set_look(scene.look);
             renderer.draw(camera, size, size, {FrameImage::Beauty});
             ASSERT_EQ(renderer.read(FrameImage::Beauty), fresh(whole())) << i;

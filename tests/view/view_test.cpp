@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "window_session.h"
 
-#include "apps/camera_spec.h"
 #include "apps/scene_file.h"
 #include "distance_transform/mesh_files.h"
 #include "raycaster/image.h"

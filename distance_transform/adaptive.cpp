@@ -5,12 +5,12 @@
 #include "distance_transform/band_tiles.h"
 #include "distance_transform/leaf_judge.h"
 #include "distance_transform/progress_meter.h"
+#include "volume/hanging_nodes.h"
 
 #include <tbb/concurrent_vector.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <iterator>
 #include <utility>
 
 namespace isocast {
@@ -53,11 +53,10 @@ public:
               sample(position, hint, out);
           }) {
         keep_new_nodes();
-        leaves_ = {{tree_.root(), number_of(tree_.root())}};
+        new_cells_ = {root()};
     }
 
-    /// By number.
-    const std::vector<Leaf>& leaves() const { return leaves_; }
+    Leaf root() const { return {tree_.root(), number_of(tree_.root())}; }
 
     /// Divides the leaves that must be, and what they are divided into.
     void grow(std::vector<Leaf> leaves, const Progress& progress) {
@@ -102,24 +101,38 @@ public:
     }
 
     void constrain() {
-        tree_.constrain_hanging_nodes([&](const Index3& position, std::span<float> out) {
-            const std::size_t first = *tree_.find_node(position) * out.size();
-            std::copy_n(&sampled_[first], out.size(), out.begin());
-        });
+        hanging_.constrain(
+            tree_,
+            [&](const Index3& position, std::span<float> out) {
+                const std::size_t first = *tree_.find_node(position) * out.size();
+                std::copy_n(&sampled_[first], out.size(), out.begin());
+            },
+            [&](const Index3& position) { changed_.push_back(position); });
     }
 
     /// The leaves over which nodes hang that spoil the interpolant of finer ones. Of each of these
     /// one corner is mended at a time, which often mends the others: the bunny takes 0.6 times the
     /// sampled nodes that it takes with all corners at once.
     std::vector<Leaf> spoilers() {
+        const std::vector<Leaf> suspects = take_suspects();
         tbb::concurrent_vector<Leaf> found;
-        for_each_part(leaves_.size(), [&](std::size_t first, std::size_t end) {
+        tbb::concurrent_vector<Leaf> spoiled;
+        for_each_part(suspects.size(), [&](std::size_t first, std::size_t end) {
             ExactDistance::Hint hint = 0;
             for (std::size_t i = first; i < end; ++i)
-                if (const std::optional<int> corner = spoiling_corner(leaves_[i], hint))
-                    add_coarser_neighbours(leaves_[i].cell, *corner, found);
+                if (const std::optional<int> corner = spoiling_corner(suspects[i], hint)) {
+                    spoiled.push_back(suspects[i]);
+                    const auto at =
+                        child_of({suspects[i].cell.position, suspects[i].cell.level + 1}, *corner)
+                            .position;
+                    for_each_leaf_around(at, [&](const Leaf& leaf) {
+                        const Index3 within = at - leaf.cell.position;
+                        if ((within.array() != 0 && within.array() != leaf.cell.size()).any())
+                            found.push_back(leaf);
+                    });
+                }
         });
-        judged_ = data_of_all();
+        spoiled_.assign(spoiled.begin(), spoiled.end());
         std::vector<Leaf> all(found.begin(), found.end());
         std::ranges::sort(all, {}, &Leaf::number);
         const auto [first, last] = std::ranges::unique(all);
@@ -135,12 +148,9 @@ public:
         const auto count = static_cast<double>(tree_.cell_count() / 8 + leaves.size());
         const double bytes =
             count * (27 * (sizeof(HashedOctree::NodeNumber) + sizeof(Margin)) + 8 * sizeof(Leaf) +
-                     least_nodes * 3 * components() * sizeof(float));
+                     least_nodes * (2 * components() * sizeof(float) + HangingNodes::bytes_a_node));
         if (bytes > options_.memory_bytes) refuse_memory(bytes, options_.memory_bytes);
         tree_.reserve(static_cast<std::size_t>(count));
-        std::vector<Leaf> now;
-        std::ranges::set_difference(leaves_, leaves, std::back_inserter(now), {}, &Leaf::number,
-                                    &Leaf::number);
         std::vector<Leaf> children;
         std::vector<Index3> positions;
         const std::size_t first_node = tree_.node_count();
@@ -148,13 +158,13 @@ public:
             tree_.divide(cell, [&](const Index3& position, std::span<float>) {
                 positions.push_back(position);
             });
+            hanging_.add(tree_, cell);
             for (int i = 0; i < 8; ++i) {
                 const OctreeCell child = child_of(cell, i);
-                now.push_back({child, number_of(child)});
-                if (child.level > 0) children.push_back(now.back());
+                new_cells_.push_back({child, number_of(child)});
+                if (child.level > 0) children.push_back(new_cells_.back());
             }
         }
-        leaves_ = std::move(now);
         for_each_part(positions.size(), [&](std::size_t first, std::size_t end) {
             ExactDistance::Hint hint = 0;
             for (std::size_t i = first; i < end; ++i)
@@ -202,60 +212,55 @@ private:
         return copy_of(corners);
     }
 
-    std::vector<float> data_of_all() const {
-        std::vector<float> all;
-        const std::size_t count = tree_.node_count();
-        all.reserve(count * components());
-        for (std::size_t node = 0; node < count; ++node) {
-            const auto data = tree_.data_of(static_cast<HashedOctree::NodeNumber>(node));
-            all.insert(all.end(), data.begin(), data.end());
-        }
-        return all;
+    /// The leaves that may be spoiled: new ones, those that were, and those of which a corner holds
+    /// something else than when leaves were judged last.
+    std::vector<Leaf> take_suspects() {
+        std::vector<Leaf> suspects;
+        const auto add = [&](const Leaf& leaf) {
+            bool& is_suspect = margins_[leaf.number].is_suspect;
+            if (!is_suspect) suspects.push_back(leaf);
+            is_suspect = true;
+        };
+        std::ranges::for_each(std::exchange(new_cells_, {}), add);
+        std::ranges::for_each(std::exchange(spoiled_, {}), add);
+        for (const Index3& position : std::exchange(changed_, {}))
+            if (was_judged_) for_each_leaf_around(position, add);
+        was_judged_ = true;
+        for (const Leaf& leaf : suspects) margins_[leaf.number].is_suspect = false;
+        std::ranges::sort(suspects, {}, &Leaf::number);
+        return suspects;
     }
-    /// Whether the node is new, or holds something else, since leaves were judged last.
-    bool has_changed(HashedOctree::NodeNumber node) const {
-        const std::size_t first = node * components();
-        return first >= judged_.size() ||
-               !std::ranges::equal(std::as_const(tree_).data_of(node),
-                                   std::span(judged_).subspan(first, components()));
-    }
-
-    std::optional<int> spoiling_corner(const Leaf& leaf, ExactDistance::Hint& hint) {
-        const auto nodes = tree_.nodes_of(leaf.number);
-        if (std::ranges::none_of(nodes, [&](auto node) { return tree_.is_constrained(node); }))
-            return std::nullopt;
-        Margin& margin = margins_[leaf.number];
-        if (margin.is_settled &&
-            std::ranges::none_of(nodes, [&](auto node) { return has_changed(node); }))
-            return std::nullopt;
-        const auto corner = judge_.spoiling_corner(leaf.cell, margin, sampled_corners(leaf.number),
-                                                   copy_of(tree_.corners_of(leaf.number)), hint);
-        margin.is_settled = !corner;
-        return corner;
-    }
-
-    /// The leaves that have the i-th corner of the cell on an edge or a face.
-    void add_coarser_neighbours(const OctreeCell& cell, int i,
-                                tbb::concurrent_vector<Leaf>& found) const {
-        const Index3 corner = child_of({cell.position, cell.level + 1}, i).position;
+    template<class Visit>
+    void for_each_leaf_around(const Index3& position, const Visit& visit) const {
         for (int k = 0; k < 8; ++k) {
-            const Vec3d p = corner.cast<double>() + 0.5 * corner_direction(k);
+            const Vec3d p = position.cast<double>() + 0.5 * corner_direction(k);
             if ((p.array() < 0).any() || (p.array() > tree_.root().size()).any()) continue;
-            const Leaf leaf = tree_.find_leaf(p);
-            const Index3 within = corner - leaf.cell.position;
-            if ((within.array() != 0 && within.array() != leaf.cell.size()).any())
-                found.push_back(leaf);
+            visit(tree_.find_leaf(p));
         }
+    }
+
+    std::optional<int> spoiling_corner(const Leaf& cell, ExactDistance::Hint& hint) {
+        const auto nodes = tree_.nodes_of(cell.number);
+        if (std::ranges::none_of(nodes, [&](auto node) { return tree_.is_constrained(node); }) ||
+            tree_.is_divided(cell.cell))
+            return std::nullopt;
+        return judge_.spoiling_corner(cell.cell, margins_[cell.number],
+                                      sampled_corners(cell.number),
+                                      copy_of(tree_.corners_of(cell.number)), hint);
     }
 
     const ExactDistance& distance_;
     const AdaptiveOptions& options_;
     LeafJudge judge_;
     HashedOctree tree_;
-    std::vector<Leaf> leaves_;    // by number
+    HangingNodes hanging_;
     std::vector<float> sampled_;  // components() a node
-    std::vector<float> judged_;   // of the nodes when leaves were judged last, hanging ones too
     std::vector<Margin> margins_; // by the number of a cell
+    // Since leaves were judged last.
+    std::vector<Leaf> new_cells_; // divided ones too
+    std::vector<Index3> changed_; // nodes that hold something else
+    std::vector<Leaf> spoiled_;
+    bool was_judged_ = false;
 };
 
 } // namespace
@@ -264,7 +269,7 @@ HashedOctree build_adaptive(const ExactDistance& distance, const AdaptiveOptions
                             const Progress& progress) {
     GrowingTree tree(distance, options);
     std::vector<Leaf> leaves; // that can be divided
-    if (options.depth > 0) leaves = tree.leaves();
+    if (options.depth > 0) leaves = {tree.root()};
     for (int i = 0; i < std::min(divided_levels, options.depth); ++i) leaves = tree.divide(leaves);
     tree.grow(std::move(leaves), progress);
     tree.constrain();

@@ -14,7 +14,7 @@ bool is_empty(const Cube& cube, double distance_at_centre);
 /// By how much a leaf keeps what it must.
 struct Margin {
     bool is_known = false;     // others, of finest leaves, are found once a corner has moved
-    bool is_settled = false;   // as good as it was with what its corners held when judged last
+    bool is_suspect = false;   // seen while suspects are gathered
     float slack = 0;           // what its corners may move by
     float error_at_centre = 0; // of the interpolant less the distance
 };

@@ -4,6 +4,7 @@
 
 #include "volume/assert.h"
 #include "volume/errors.h"
+#include "volume/hanging_nodes.h"
 
 #include <fmt/format.h>
 
@@ -270,59 +271,10 @@ void HashedOctree::merge(const OctreeCell& cell) {
 }
 
 void HashedOctree::constrain_hanging_nodes(const NodeSampler& sampler) {
-    // A node hangs if one of the cells that have it inside an edge or a face is not divided. Those
-    // that are get counted, which takes a fifth of the time of looking up all of each node's.
-    std::vector<std::uint8_t> divided(constrained_.size());
-    constexpr std::uint8_t seen = 255;
-    const auto visit_middles = [&](const auto& visit) {
-        visit_blocks([&](const OctreeCell& cell, const OctreeTable::Entry& entry) {
-            const std::span<const NodeNumber> block = block_of(entry);
-            for_each_place(Index3::Zero(), Index3::Constant(2), [&](const Index3& place) {
-                const auto inside = (place.array() == 1).count();
-                if (inside == 1 || inside == 2) visit(cell, block, place);
-            });
-        });
-    };
-    visit_middles([&](const OctreeCell&, std::span<const NodeNumber> block, const Index3& place) {
-        ++divided[block[block_index(place)]];
-    });
-
-    struct Hanging {
-        NodeNumber number, below, above; // it hangs half way between these
-        int axis;
-    };
-    // By level: in the middle of an edge, in the middle of a face.
-    std::array<std::array<std::vector<Hanging>, 2>, greatest_octree_depth + 1> hanging;
-    visit_middles(
-        [&](const OctreeCell& cell, std::span<const NodeNumber> block, const Index3& place) {
-            const NodeNumber node = block[block_index(place)];
-            if (divided[node] == seen) return;
-            const Index3 position = cell.position + place * (cell.size() / 2);
-            int cells = 1;
-            for (int axis = 0; axis < 3; ++axis)
-                if (place[axis] != 1 && position[axis] != 0 && position[axis] != root().size())
-                    cells *= 2;
-            const bool hangs = divided[node] < cells;
-            divided[node] = seen;
-            if (hangs) {
-                int axis = 0;
-                (place.array() == 1).maxCoeff(&axis);
-                // A face's middle is half way between those of two opposite edges.
-                hanging[static_cast<std::size_t>(cell.level)][(place.array() == 1).count() - 1]
-                    .push_back({node, block[block_index(place - Index3::Unit(axis))],
-                                block[block_index(place + Index3::Unit(axis))], axis});
-            } else if (constrained_[node]) {
-                sampler(position, data_of(node));
-                constrained_[node] = false;
-            }
-        });
-    for (int level = depth_; level > 0; --level)
-        for (const std::vector<Hanging>& nodes : hanging[static_cast<std::size_t>(level)])
-            for (const Hanging& node : nodes) {
-                midpoint(filter_, data_of(node.below), data_of(node.above), node.axis, 1 << level,
-                         data_of(node.number));
-                constrained_[node.number] = true;
-            }
+    HangingNodes hanging;
+    visit_blocks(
+        [&](const OctreeCell& cell, const OctreeTable::Entry&) { hanging.add(*this, cell); });
+    hanging.constrain(*this, sampler, [](const Index3&) {});
 }
 
 void HashedOctree::reserve(std::size_t divided_cells) {

@@ -82,6 +82,10 @@ public:
     /// Of a cell's corners, as in CornerData; and of the i-th alone.
     std::array<NodeNumber, 8> nodes_of(CellNumber cell) const;
     NodeNumber node_of(CellNumber cell, unsigned i) const { return links_[cell + link_offset(i)]; }
+    /// Of the 27 corners of a divided cell's children, x fastest; until the tree changes.
+    std::span<const NodeNumber> nodes_within(const OctreeCell& divided) const {
+        return block_of(*entry_of(divided));
+    }
     /// What a cell's corners hold; until the tree changes.
     CornerData corners_of(CellNumber cell) const;
     /// The node at a position, through at most four cells that may have it (3.3.3).
@@ -112,11 +116,11 @@ public:
     /// Removes the children of a cell, all of them leaves, and the nodes that no other cell has.
     /// throws  InputError if there is no such cell, or it is a leaf, or a child is divided
     void merge(const OctreeCell& cell);
-    /// Lets each hanging node hold what its coarser neighbour has there (3.4.1), coarse ones first.
-    /// Those that hung and no longer do are sampled again.
+    /// Lets each hanging node hold what its coarser neighbour has there (3.4.1). Those that hung
+    /// and no longer do are sampled again. HangingNodes does the same for a tree that grows.
     void constrain_hanging_nodes(const NodeSampler& sampler);
-    /// Notes that the node's data is constrained; for a tree that is read from a file.
-    void mark_constrained(NodeNumber node) { constrained_[node] = true; }
+    /// Notes whether the node's data is constrained.
+    void set_constrained(NodeNumber node, bool is) { constrained_[node] = is; }
     /// Room for so many divided cells without growing.
     void reserve(std::size_t divided_cells);
 

@@ -218,7 +218,7 @@ OctreeFile read_octree(const std::filesystem::path& path) {
         for (std::size_t node = 0; node < 8 * bits.size(); ++node) {
             if (!(static_cast<unsigned char>(bits[node / 8]) >> node % 8 & 1)) continue;
             if (node >= next) reader.fail("it constrains a node that is not there");
-            file.tree.mark_constrained(static_cast<HashedOctree::NodeNumber>(node));
+            file.tree.set_constrained(static_cast<HashedOctree::NodeNumber>(node), true);
         }
         return file;
     } catch (const std::bad_alloc&) {

@@ -57,7 +57,7 @@ TEST(OctreeFile, OfOneDividedCellIsTheseBytes) {
     const auto count_up = [&](const Index3&, std::span<float> out) { out[0] = next++; };
     HashedOctree tree(1, OctreeFilter::Linear, count_up);
     tree.divide(tree.root(), count_up);
-    tree.mark_constrained(9);
+    tree.set_constrained(9, true);
     write_octree(tree, GridSpace::uniform(2, {1, 0, 0}), {{"k", "v"}}, folder / "a.hoct");
     std::string expected = "isoHOCT\n";
     const auto add = [&](auto value) {

@@ -39,6 +39,9 @@ public:
 
     virtual ~ExactDistance() = default;
     virtual Sample at(const Vec3d& p, Hint& hint) const = 0;
+    /// Whether |distance| is that to the nearest of some points, not just below it: its square less
+    /// |p|^2 is concave then.
+    virtual bool is_to_nearest() const { return false; }
     /// g          of the cell that is the cube
     /// tolerance  bounds above it are of no use
     virtual SurfaceInCube surface_in(const Cube& cube, const CellFunction& g,

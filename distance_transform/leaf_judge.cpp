@@ -28,6 +28,26 @@ bool is_empty(const Cube& cube, double distance_at_centre) {
     return std::abs(distance_at_centre) > std::numbers::sqrt3 * cube.half_edge;
 }
 
+DistanceBounds distance_bounds(const Cube& cube, const std::array<NodeData, 8>& corners,
+                               double distance_at_centre, const Vec3d& from_centre) {
+    constexpr double rounding = 0x1p-22; // of the corners' floats, squared
+    double squared = 0;
+    DistanceBounds bounds{0, std::abs(distance_at_centre) + cube.half_edge * from_centre.norm()};
+    for (int i = 0; i < 8; ++i) {
+        const Vec3d corner = corner_direction(i);
+        const double distance = std::abs(corners[static_cast<std::size_t>(i)][0]);
+        const double weight = (1 + corner.array() * from_centre.array()).prod() / 8;
+        squared += weight * distance * distance * (1 - rounding);
+        bounds.greatest =
+            std::min(bounds.greatest,
+                     distance * (1 + rounding) + cube.half_edge * (corner - from_centre).norm());
+    }
+    const double spread =
+        cube.half_edge * cube.half_edge * (1 - from_centre.array().square()).sum();
+    bounds.least = std::sqrt(std::max(squared - spread, 0.0));
+    return bounds;
+}
+
 Margin LeafJudge::margin_of(const Cube& cube, const std::array<NodeData, 8>& corners,
                             ExactDistance::Hint& hint) const {
     const CellFunction g(options_.filter, cube.lo(), 2 * cube.half_edge, corners);
@@ -43,7 +63,7 @@ Margin LeafJudge::margin_of(const Cube& cube, const std::array<NodeData, 8>& cor
                                       ? SurfaceInCube{}
                                       : distance_.surface_in(cube, g, *options_.max_error_cells);
     const double slack = surface.is_there ? slack_at_surface(cube, surface, corners)
-                                          : slack_at_points(cube, g, hint);
+                                          : slack_at_points(cube, g, corners, distance, hint);
     margin.slack = std::min(margin.slack, static_cast<float>(slack));
     return margin;
 }
@@ -79,9 +99,10 @@ std::optional<int> LeafJudge::spoiling_corner(const OctreeCell& cell, Margin& ma
     const SurfaceInCube surface = is_empty(cube, distance)
                                       ? SurfaceInCube{}
                                       : distance_.surface_in(cube, g, *options_.max_error_cells);
-    const bool is_spoiled = surface.is_there
-                                ? slack_at_surface(cube, surface, now) < 0
-                                : has_changed_side || slack_at_points(cube, g, hint) < 0;
+    const bool is_spoiled =
+        surface.is_there
+            ? slack_at_surface(cube, surface, now) < 0
+            : has_changed_side || slack_at_points(cube, g, sampled, distance, hint) < 0;
     return is_spoiled ? corner : std::nullopt;
 }
 
@@ -99,11 +120,24 @@ double LeafJudge::slack_at_surface(const Cube& cube, const SurfaceInCube& surfac
 
 /// At the middles of three faces, the others' being the neighbours', and where a cubic without
 /// mixed derivatives errs most.
+/// The distance there is asked for only where bounds do not do.
 double LeafJudge::slack_at_points(const Cube& cube, const CellFunction& g,
+                                  const std::array<NodeData, 8>& sampled, double distance_at_centre,
                                   ExactDistance::Hint& hint) const {
     double slack = std::numeric_limits<double>::infinity();
     const auto ask = [&](const Vec3d& from_centre) {
         const Vec3d p = cube.centre + cube.half_edge * from_centre;
+        if (distance_.is_to_nearest() && is_empty(cube, distance_at_centre)) {
+            const DistanceBounds bounds =
+                distance_bounds(cube, sampled, distance_at_centre, from_centre);
+            const double value = distance_at_centre < 0 ? -g.at(p) : g.at(p);
+            const double least =
+                allowed_at(bounds.least) - std::max(value - bounds.least, bounds.greatest - value);
+            if (least >= 0) {
+                slack = std::min(slack, least);
+                return;
+            }
+        }
         slack = std::min(slack, slack_at(g, p, distance_.at(p, hint).distance));
     };
     for (int axis = 0; axis < 3 && slack >= 0; ++axis) ask(Vec3d::Unit(axis));
@@ -113,9 +147,12 @@ double LeafJudge::slack_at_points(const Cube& cube, const CellFunction& g,
 }
 
 double LeafJudge::slack_at(const CellFunction& g, const Vec3d& p, double distance) const {
+    return allowed_at(distance) - std::abs(distance - g.at(p));
+}
+
+double LeafJudge::allowed_at(double distance) const {
     const double beyond = std::abs(distance) - options_.accurate_within_cells;
-    const double allowed = std::max(*options_.max_error_cells, far_share * beyond);
-    return allowed - std::abs(distance - g.at(p));
+    return std::max(*options_.max_error_cells, far_share * beyond);
 }
 
 } // namespace isocast

@@ -11,6 +11,19 @@ Cube cube_of(const OctreeCell& cell);
 /// No surface where the distance at the centre exceeds the way to the farthest point of the cell.
 bool is_empty(const Cube& cube, double distance_at_centre);
 
+/// Of an unsigned distance d at a point p of a cell.
+struct DistanceBounds {
+    double least, greatest;
+};
+/// From the distances at its corners c_i and its centre, where ExactDistance::is_to_nearest(): with
+/// p = sum w_i c_i, d^2 - |p|^2 being concave,
+///   d(p)^2 >= sum w_i d(c_i)^2 - sum w_i |c_i - p|^2,
+/// and d(p) is at most that at another point and the way there.
+///
+/// from_centre  p [half edges]
+DistanceBounds distance_bounds(const Cube& cube, const std::array<NodeData, 8>& corners,
+                               double distance_at_centre, const Vec3d& from_centre);
+
 /// By how much a leaf keeps what it must.
 struct Margin {
     bool is_known = false;     // others, of finest leaves, are found once a corner has moved
@@ -39,8 +52,10 @@ private:
     double slack_at_surface(const Cube& cube, const SurfaceInCube& surface,
                             const std::array<NodeData, 8>& corners) const;
     double slack_at_points(const Cube& cube, const CellFunction& g,
+                           const std::array<NodeData, 8>& sampled, double distance_at_centre,
                            ExactDistance::Hint& hint) const;
     double slack_at(const CellFunction& g, const Vec3d& p, double distance) const;
+    double allowed_at(double distance) const;
 
     const ExactDistance& distance_;
     const AdaptiveOptions& options_;

@@ -19,6 +19,7 @@ public:
     MeshDistance(const Mesh& mesh, const MeshTopology& topology, const WindingNumber* winding);
 
     Sample at(const Vec3d& p, Hint& hint) const override;
+    bool is_to_nearest() const override { return true; }
     SurfaceInCube surface_in(const Cube& cube, const CellFunction& g,
                              double tolerance) const override;
 

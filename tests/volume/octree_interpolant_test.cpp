@@ -5,6 +5,7 @@
 
 #include "octree_jumps.h"
 #include "octree_oracle.h"
+#include "volume/hanging_nodes.h"
 
 namespace isocast {
 namespace {
@@ -115,6 +116,40 @@ TEST(OctreeInterpolant, HoldsSampledValuesAtEachNodeThatDoesNotHang) {
         });
         EXPECT_GT(hanging, 100u);
     }
+}
+
+TEST(HangingNodes, OfATreeThatGrowsAreThoseThatAreFoundAnew) {
+    for (const OctreeFilter filter : filters)
+        for (std::uint32_t seed = 0; seed < 5; ++seed) {
+            Random random(seed);
+            const auto sampler = noise(seed, 1);
+            HashedOctree tree(depth, filter, sampler);
+            HangingNodes hanging;
+            for (int turn = 0; turn < 10; ++turn) {
+                for (int i = 0; i < 40; ++i) {
+                    const OctreeCell leaf =
+                        tree.leaf_at(test::random_finest(random, depth).cast<double>());
+                    if (leaf.level == 0) continue;
+                    tree.divide(leaf, sampler);
+                    hanging.add(tree, leaf);
+                }
+                HashedOctree anew = tree;
+                anew.constrain_hanging_nodes(sampler);
+                std::set<Index3, test::ZyxLess> changed;
+                const HashedOctree before = tree;
+                hanging.constrain(tree, sampler, [&](const Index3& position) {
+                    EXPECT_TRUE(changed.insert(position).second);
+                });
+                tree.visit_nodes([&](const Index3& position, HashedOctree::NodeNumber node) {
+                    ASSERT_EQ(tree.is_constrained(node), tree.is_hanging(position));
+                    ASSERT_EQ(tree.is_constrained(node), anew.is_constrained(node));
+                    const auto now = std::as_const(tree).data_of(node);
+                    ASSERT_TRUE(std::ranges::equal(now, std::as_const(anew).data_of(node)));
+                    ASSERT_EQ(changed.contains(position),
+                              !std::ranges::equal(now, before.data_of(node)));
+                });
+            }
+        }
 }
 
 TEST(OctreeInterpolant, IsThePolynomialOfItsDegree) {

@@ -113,11 +113,16 @@ struct OctreePair {
         };
     }
 
-    /// Divides the leaf at a random place, or merges the children of one of the cells there.
     void change(Random& random, double probability_of_merge) {
         const Index3 finest = random_finest(random, tree.depth());
+        const bool divides = random_real(random, 0, 1) >= probability_of_merge;
+        change_at(finest,
+                  divides ? std::nullopt : std::optional(random_int(random, 0, tree.depth())));
+    }
+    /// Divides the leaf there, or merges the children of the cell of at least a level.
+    void change_at(const Index3& finest, std::optional<int> merged_level) {
         if (!oracle.is_inside(finest)) return;
-        if (random_real(random, 0, 1) >= probability_of_merge) {
+        if (!merged_level) {
             const OctreeCell leaf = oracle.cell_at(finest, 0);
             if (leaf.level == 0) {
                 EXPECT_THROW(tree.divide(leaf, sampler()), InputError);
@@ -127,7 +132,7 @@ struct OctreePair {
             oracle.divide(leaf);
             return;
         }
-        const OctreeCell cell = oracle.cell_at(finest, random_int(random, 0, tree.depth()));
+        const OctreeCell cell = oracle.cell_at(finest, *merged_level);
         if (!oracle.can_merge(cell)) {
             EXPECT_THROW(tree.merge(cell), InputError);
             return;

@@ -67,8 +67,8 @@ TEST_P(AdaptiveError, IsWithinWhatIsAllowedOnAllOfTheSurface) {
 }
 
 // Off the surface the error is tested at points of each cell, and between them it can pass what is
-// allowed. No bound is proved: at 100,000 points of each mesh were seen 1.40 times the error at worst,
-// and 1 point in 1,000 beyond it.
+// allowed. No bound is proved: at 100,000 points of each mesh were seen 1.40 times the error at
+// worst, and 1 point in 1,000 beyond it.
 TEST_P(AdaptiveError, IsRarelyAboveWhatIsAllowedNearTheSurface) {
     if (!is_there()) GTEST_SKIP() << "not there";
     constexpr int depth = 7;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "adaptive_fields.h"
 
+#include "distance_transform/leaf_judge.h"
 #include "distance_transform/point_triangle.h"
 
 #include <gtest/gtest.h>
@@ -65,6 +66,33 @@ TEST(MeshDistance, IsThatOfTheNearestOfAllTriangles) {
                     << "height " << height << ", " << away << " away, at " << p.transpose();
             }
         }
+}
+
+TEST(DistanceBounds, HoldTheDistanceToAMesh) {
+    Random random(72);
+    constexpr double size = 16;
+    const MeshInCells input(soup(Vec3d::Zero(), size, 4, 100, random));
+    ExactDistance::Hint hint = 0;
+    const auto distance_at = [&](const Vec3d& p) { return input.distance().at(p, hint).distance; };
+    double narrowest = 1;
+    for (int i = 0; i < 5000; ++i) {
+        const Cube cube{random_point(random, -3 * size, 3 * size),
+                        size * std::exp2(random_real(random, -8, 1))};
+        std::array<NodeData, 8> corners{};
+        for (int k = 0; k < 8; ++k)
+            corners[static_cast<std::size_t>(k)][0] =
+                static_cast<float>(distance_at(cube.centre + cube.half_edge * corner_direction(k)));
+        const Vec3d from_centre =
+            i % 3 == 0 ? Vec3d(Vec3d::Unit(i % 9 / 3)) : random_point(random, -1, 1);
+        const double distance = std::abs(distance_at(cube.centre + cube.half_edge * from_centre));
+        const DistanceBounds bounds =
+            distance_bounds(cube, corners, distance_at(cube.centre), from_centre);
+        // Less what double coordinates of up to 4 sizes round.
+        EXPECT_LE(bounds.least, distance + 1e-14 * size);
+        EXPECT_GE(bounds.greatest, distance - 1e-14 * size);
+        narrowest = std::min(narrowest, (bounds.greatest - bounds.least) / cube.half_edge);
+    }
+    EXPECT_LT(narrowest, 0.5); // they say something
 }
 
 } // namespace isocast::test

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/box_tree.h"
 
+#include <tbb/parallel_invoke.h>
+
 #include <algorithm>
 #include <numeric>
 
@@ -24,7 +26,9 @@ BoxTree::BoxTree(std::span<const WorldBox> boxes, std::int32_t leaf_items) : ord
     middle_ = all.center();
     nodes_.reserve(boxes.size() / static_cast<std::size_t>(leaf_items) + 1);
     nodes_.emplace_back();
-    build(boxes, leaf_items, 0, {0, static_cast<std::int32_t>(boxes.size())});
+    const Part whole{0, static_cast<std::int32_t>(boxes.size())};
+    sort(boxes, leaf_items, whole);
+    build(boxes, leaf_items, 0, whole);
 }
 
 std::span<std::int32_t> BoxTree::items_of(const Part& part) {
@@ -32,8 +36,14 @@ std::span<std::int32_t> BoxTree::items_of(const Part& part) {
                                      static_cast<std::size_t>(part.count));
 }
 
-std::array<BoxTree::Part, 2> BoxTree::halve(std::span<const WorldBox> boxes,
-                                            std::int32_t leaf_items, const Part& part) {
+std::array<BoxTree::Part, 2> BoxTree::halves_of(const Part& part, std::int32_t leaf_items) {
+    const std::int32_t half = (part.count / 2 + leaf_items - 1) / leaf_items * leaf_items;
+    return {Part{part.first, half}, Part{part.first + half, part.count - half}};
+}
+
+/// Puts the items of each half where it is, in parallel.
+void BoxTree::sort(std::span<const WorldBox> boxes, std::int32_t leaf_items, const Part& part) {
+    if (part.count <= leaf_items) return;
     const std::span<std::int32_t> items = items_of(part);
     const auto middle = [&](std::int32_t i) {
         return middle_of(boxes[static_cast<std::size_t>(i)]);
@@ -42,11 +52,17 @@ std::array<BoxTree::Part, 2> BoxTree::halve(std::span<const WorldBox> boxes,
     for (const std::int32_t i : items) middles.extend(middle(i));
     int axis = 0;
     middles.sizes().maxCoeff(&axis);
-    // All leaves but the last are full.
-    const std::int32_t half = (part.count / 2 + leaf_items - 1) / leaf_items * leaf_items;
-    std::ranges::nth_element(items, items.begin() + half, {},
+    const auto [low, high] = halves_of(part, leaf_items);
+    std::ranges::nth_element(items, items.begin() + low.count, {},
                              [&](std::int32_t i) { return std::pair(middle(i)[axis], i); });
-    return {Part{part.first, half}, Part{part.first + half, part.count - half}};
+    constexpr std::int32_t worth_a_task = 1024;
+    if (part.count < worth_a_task) {
+        sort(boxes, leaf_items, low);
+        sort(boxes, leaf_items, high);
+    } else {
+        tbb::parallel_invoke([&, &half = low] { sort(boxes, leaf_items, half); },
+                             [&, &half = high] { sort(boxes, leaf_items, half); });
+    }
 }
 
 void BoxTree::build(std::span<const WorldBox> boxes, std::int32_t leaf_items, std::size_t node,
@@ -58,7 +74,7 @@ void BoxTree::build(std::span<const WorldBox> boxes, std::int32_t leaf_items, st
             if (part.count <= leaf_items)
                 halves.push_back(part);
             else
-                for (const Part& half : halve(boxes, leaf_items, part)) halves.push_back(half);
+                for (const Part& half : halves_of(part, leaf_items)) halves.push_back(half);
         }
         parts = std::move(halves);
     }

@@ -61,8 +61,9 @@ private:
     static constexpr double rounding = 1e-6;
 
     std::span<std::int32_t> items_of(const Part& part);
-    std::array<Part, 2> halve(std::span<const WorldBox> boxes, std::int32_t leaf_items,
-                              const Part& part);
+    /// Where a part is parted: all leaves but the last are full.
+    static std::array<Part, 2> halves_of(const Part& part, std::int32_t leaf_items);
+    void sort(std::span<const WorldBox> boxes, std::int32_t leaf_items, const Part& part);
     void build(std::span<const WorldBox> boxes, std::int32_t leaf_items, std::size_t node,
                const Part& items);
     Place place_of(const Vec3d& p) const {

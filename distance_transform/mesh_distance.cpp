@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/mesh_distance.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -113,8 +115,9 @@ MeshDistance::MeshDistance(const Mesh& mesh, const MeshTopology& topology,
                            const WindingNumber* winding)
     : corners_(corners_of(mesh)), tree_(boxes_of(corners_), leaf_triangles),
       normals_(mesh, topology), winding_(winding) {
-    frames_.reserve(corners_.size());
-    for (const std::array<Vec3d, 3>& corners : corners_) frames_.push_back(frame_of(corners));
+    frames_.resize(corners_.size());
+    tbb::parallel_for(std::size_t{0}, corners_.size(),
+                      [&](std::size_t i) { frames_[i] = frame_of(corners_[i]); });
     const WorldBox box = bounding_box(mesh);
     slab_origin_ = (box.min + box.max) / 2;
     slab_radius_ = box.size().norm() / 2;
@@ -188,7 +191,7 @@ MeshDistance::Closest MeshDistance::closest_on(std::int32_t triangle, const Vec3
 
 void MeshDistance::add_slabs() {
     slabs_.resize((corners_.size() + leaf_triangles - 1) / leaf_triangles);
-    for (std::size_t place = 0; place < corners_.size(); ++place) {
+    tbb::parallel_for(std::size_t{0}, corners_.size(), [&](std::size_t place) {
         const Frame& frame = frames_[static_cast<std::size_t>(tree_.order()[place])];
         Slabs& slabs = slabs_[place / leaf_triangles];
         const auto lane = static_cast<Eigen::Index>(place % leaf_triangles);
@@ -213,7 +216,7 @@ void MeshDistance::add_slabs() {
             slabs[k].z[lane] = static_cast<float>(normals[k].z());
             slabs[k].offset[lane] = static_cast<float>(normals[k].dot(points[k] - slab_origin_));
         }
-    }
+    });
 }
 
 ExactDistance::Sample MeshDistance::at(const Vec3d& p, Hint& hint) const {

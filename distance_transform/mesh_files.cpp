@@ -180,8 +180,8 @@ PolygonMesh read_polygons(const std::filesystem::path& path) {
         throw InputError(fmt::format("{}: polygons are read from .obj and .ply", path.string()));
     const std::string bytes = read_whole(path);
     PolygonMesh out;
-    out.mesh = (extension == ".obj" ? parse_obj : parse_ply)(bytes, path.string(), nullptr,
-                                                             &out.corner_counts);
+    out.mesh = extension == ".obj" ? parse_obj(bytes, path.string(), nullptr, &out.corner_counts)
+                                   : parse_ply(bytes, path.string(), nullptr, &out.corner_counts);
     if (out.corner_counts.empty())
         throw InputError(fmt::format("{}: no faces ({} vertices)", path.string(),
                                      out.mesh.vertices_world.size()));

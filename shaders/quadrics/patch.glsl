@@ -26,10 +26,8 @@ vec3 patch_hit_at(BilinearPatch b, vec2 slope, float t_by_z, float t_near) {
     vec2 h = b.h.xy + slope * b.h.z;
     vec2 e = b.e.xy + slope * b.e.z;
     vec2 d = b.d.xy + slope * b.d.z;
-    // 2^-23: that far points may lie off, in the units of c. What lies within it is inside: patches that share
-    // an edge or a corner leave no ray between them.
-    vec3 reach = abs(b.c) + abs(b.h) + abs(b.e) + abs(b.d);
-    float rounding = exp2(-23.0) * (reach.x + reach.y + (abs(slope.x) + abs(slope.y)) * reach.z);
+    vec3 weights = vec3(1.0, 1.0, abs(slope.x) + abs(slope.y));
+    vec4 sizes = weights * mat4x3(abs(b.c), abs(b.h), abs(b.e), abs(b.d));
     // The ruling c + U h, along e + U d, that passes the ray: a U^2 + 2 half U + f = 0.
     float a = area(h, d);
     float half_b = 0.5 * (area(h, e) + area(c, d));
@@ -44,13 +42,14 @@ vec3 patch_hit_at(BilinearPatch b, vec2 slope, float t_by_z, float t_near) {
         vec2 along = e + u * d;
         float v = -dot(from, along) / dot(along, along);
         vec2 across = h + clamp(v, -b.base.y, 1.0 - b.base.y) * d;
-        // How far roundings move u and v, by the slant of the two directions, and no farther than a 64th, where
-        // the patch is seen edge-on.
+        // 2^-23: that far a point may lie off, of what it is the sum of. How far this moves u and v, by the
+        // slant of the two directions, is inside: patches that share an edge or a corner leave no ray between
+        // them. No farther than a 64th, where the patch is seen edge-on.
+        float rounding = exp2(-23.0) * dot(sizes, vec4(1.0, abs(u), abs(v), abs(u * v)));
         vec2 lengths = vec2(length(across), length(along));
         vec2 spare = min(rounding * (1.0 / lengths + lengths.yx / (2.0 * root)), vec2(1.0 / 64.0));
-        vec2 at = vec2(u, v) + b.base;
-        bool is_in = discriminant >= 0.0 && all(greaterThanEqual(at, -spare)) && all(lessThanEqual(at, 1.0 + spare));
-        at = clamp(at, 0.0, 1.0) - b.base;
+        vec2 at = clamp(vec2(u, v), -b.base, 1.0 - b.base);
+        bool is_in = discriminant >= 0.0 && all(lessThanEqual(abs(vec2(u, v) - at), spare));
         float t = t_by_z * (b.c.z + at.x * b.h.z + at.y * (b.e.z + at.x * b.d.z));
         if (is_in && t >= t_near && t < first.x) first = vec3(t, at);
     }

@@ -69,6 +69,8 @@ Primitives grown(Primitives primitives, double share) {
     return primitives;
 }
 
+using Vec2d = Eigen::Vector2d;
+
 struct Patches : RendererTest {
     Camera camera{.eye_world = {0.3, 0.4, 6}, .target_world = Vec3d::Zero()};
     Random random{7};
@@ -142,7 +144,7 @@ struct Patches : RendererTest {
 TEST_F(Patches, AreWhatTheRaysMeet) {
     for (const Projection projection : {Projection::Perspective, Projection::Orthographic}) {
         camera.projection = projection;
-        for (int run = 0; run < 10; ++run) {
+        for (int run = 0; run < 4; ++run) {
             Primitives many;
             for (int i = 0; i < 20; ++i) many.patches.push_back(some());
             EXPECT_GT(expect_exact(many).seen, 5000);
@@ -152,7 +154,7 @@ TEST_F(Patches, AreWhatTheRaysMeet) {
 
 // The double caster's own oracle: the patch as many triangles.
 TEST_F(Patches, AreMetWhereTheirTrianglesAre) {
-    for (int run = 0; run < 20; ++run) {
+    for (int run = 0; run < 8; ++run) {
         const Patch patch = patch_of(some(), 0);
         constexpr int n = 64;
         TriangleMesh fine;
@@ -184,7 +186,7 @@ TEST_F(Patches, FromTwistedToFlatAreWhatTheRaysMeet) {
     for (const Projection projection : {Projection::Perspective, Projection::Orthographic}) {
         camera.projection = projection;
         for (const double twist : {1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-12, 0.0})
-            for (int run = 0; run < 3; ++run) {
+            for (int run = 0; run < 2; ++run) {
                 SCOPED_TRACE(twist);
                 const Vec3d a = 1.5 * random.unit();
                 const Vec3d b = a.cross(random.unit()).normalized() + 0.3 * a;
@@ -200,7 +202,7 @@ TEST_F(Patches, FromTwistedToFlatAreWhatTheRaysMeet) {
 }
 
 TEST_F(Patches, WithCornersInOnePlaceAreTriangles) {
-    for (int run = 0; run < 20; ++run) {
+    for (int run = 0; run < 8; ++run) {
         const Vec3d a = random.in_cube(1.5), b = random.in_cube(1.5), c = random.in_cube(1.5);
         const std::array corners{a, b, c};
         for (int twice = 0; twice < 4; ++twice) {
@@ -289,7 +291,7 @@ TEST_F(Patches, FarFromTheWorldsOrigin) {
 TEST_F(Patches, AcrossTheEyesPlaneAndAroundTheEye) {
     for (const Projection projection : {Projection::Perspective, Projection::Orthographic}) {
         camera.projection = projection;
-        for (int run = 0; run < 40; ++run) {
+        for (int run = 0; run < 20; ++run) {
             Primitives some_around;
             for (int i = 0; i < 3; ++i)
                 some_around.patches.push_back(one_patch(
@@ -301,28 +303,39 @@ TEST_F(Patches, AcrossTheEyesPlaneAndAroundTheEye) {
     }
 }
 
-// 1,000 pairs with a common edge, seen along it or across: what lies between them shows no hole.
+// 1,000 pairs with a common edge that passes through the middles of a row or column of pixels: what
+// rays meet of patches longer by 1e-9 shows no hole, nor does the edge.
 TEST_F(Patches, ThatShareAnEdgeLeaveNoCrack) {
     constexpr int size = 48;
     int holes = 0;
-    int between = 0;
+    int met = 0;
     for (int run = 0; run < 1000; ++run) {
-        const Vec3d p = random.in_cube(1), q = random.in_cube(1);
-        PatchMesh pair{.vertices_world = {p, q, random.in_cube(1), random.in_cube(1),
-                                          random.in_cube(1), random.in_cube(1)},
-                       .quads = {{0, 1, 2, 3}, {1, 0, 4, 5}}};
         camera.eye_world = 6 * random.unit();
         camera.projection = run % 2 == 0 ? Projection::Perspective : Projection::Orthographic;
+        camera.height_world = 3;
+        const auto in_pixel = [&](double along, double across) -> Vec3d {
+            const Vec2d at = run % 4 < 2 ? Vec2d(along, across) : Vec2d(across, along);
+            const Ray ray = camera_ray(camera, size, size, at.x(), at.y());
+            const double middle =
+                -ray.direction_world.dot(ray.origin_world) / ray.direction_world.squaredNorm();
+            return ray.origin_world + random.uniform(0.8, 1.2) * middle * ray.direction_world;
+        };
+        const double row = std::floor(random.uniform(12, 36)) + 0.5;
+        const Vec3d p = in_pixel(random.uniform(5, 20), row);
+        const Vec3d q = in_pixel(random.uniform(25, 43), row);
+        const PatchMesh pair{.vertices_world = {p, q, random.in_cube(1), random.in_cube(1),
+                                                random.in_cube(1), random.in_cube(1)},
+                             .quads = {{0, 1, 2, 3}, {1, 0, 4, 5}}};
         renderer.load({.primitives = std::make_shared<Primitives>(Primitives{.patches = {pair}})});
         renderer.draw(camera, size, size, {FrameImage::Hit});
         const Image hits = renderer.read(FrameImage::Hit);
-        const auto seen = cast_primitives({.patches = {pair}}, camera, size, size);
+        const auto seen = cast_primitives(grown({.patches = {pair}}, 1e-9), camera, size, size);
         for (std::size_t i = 0; i < seen.size(); ++i) {
-            between += seen[i].number >= 0;
+            met += seen[i].number >= 0;
             holes += seen[i].number >= 0 && hits.rgba[4 * i + 3] == 0;
         }
     }
-    EXPECT_GT(between, 100000);
+    EXPECT_GT(met, 100000);
     EXPECT_EQ(holes, 0);
 }
 

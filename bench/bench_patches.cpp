@@ -1,7 +1,6 @@
 // Bilinear patches and quadrics in tetrahedra: frames, patches and tetrahedra a second; and an
 // isosurface as such quadrics against the ray caster's.
 // SPDX-License-Identifier: MPL-2.0
-#include "peers/peer_frame.h"
 #include "quadrics/quadratic_spline.h"
 #include "quadrics/quadrics_bench.h"
 #include "volume/analytic_fields.h"
@@ -9,12 +8,18 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
 namespace {
 
 using namespace isocast;
+
+double median(std::vector<double> values) {
+    std::ranges::nth_element(values, values.begin() + std::ssize(values) / 2);
+    return values[values.size() / 2];
+}
 
 Camera framed(Renderer& renderer, int w, int h) {
     return frame_box(renderer.surface_points_world(), {0.3, 0.4, 1}, double(w) / h, 30);

@@ -234,6 +234,8 @@ Eigen::Vector4i packed(const Eigen::Vector3f& corner, int more) {
 
 } // namespace
 
+static_assert(splat_kind_count <= 8, "a leaf's kind has three bits");
+
 PrimitiveTree tree_of(const Primitives& primitives, const Vec3d& eye_world,
                       const std::vector<CutPlane>& planes) {
     std::vector<Item> items = items_of(primitives, eye_world, planes);

@@ -171,27 +171,68 @@ TEST_F(Tetrahedra, FarAwayFarFromTheOriginAndAroundTheEye) {
     EXPECT_GT(seen, 100000);
 }
 
-// A ball, as one function in the tetrahedra of a cube's spline.
-TEST_F(Tetrahedra, HaveTheNormalsAndCurvaturesOfTheirSurface) {
-    constexpr double radius = 0.8;
+constexpr double ball_radius = 0.8;
+
+/// A ball, as one function in the tetrahedra of a cube's spline, which gives quadratic functions
+/// back exactly.
+TetrahedralMesh ball() {
     std::vector<float> values;
     const int n = 13;
     for (int z = 0; z < n; ++z)
         for (int y = 0; y < n; ++y)
             for (int x = 0; x < n; ++x)
-                values.push_back(static_cast<float>(
-                    (Vec3d(x, y, z) / 4 - Vec3d::Constant(1.5)).squaredNorm() - radius * radius));
+                values.push_back(
+                    static_cast<float>((Vec3d(x, y, z) / 4 - Vec3d::Constant(1.5)).squaredNorm() -
+                                       ball_radius * ball_radius));
     GridSpace space;
     space.world_from_index = Eigen::Translation3d(-1.5, -1.5, -1.5) * Eigen::Scaling(0.25);
-    const DenseField squares(space, {Index3::Zero(), Index3::Constant(n)}, values);
-    const TetrahedralMesh ball = quadratic_spline(squares, 0);
+    return quadratic_spline(DenseField(space, {Index3::Zero(), Index3::Constant(n)}, values), 0);
+}
+
+// As a sphere does.
+TEST_F(Tetrahedra, CastShadowsAndHideTheSky) {
+    const PatchMesh floor{.vertices_world = {{-2, -1, 2}, {2, -1, 2}, {2, -1, -2}, {-2, -1, -2}},
+                          .quads = {{0, 1, 2, 3}}};
+    camera.eye_world = {1, 3, 6};
+    Look look;
+    look.lights = {{.direction = {0.4, 1, 0.3}, .is_in_view_space = false, .shadow = Shadow::Hard}};
+    look.effects.occlusion.strength = 1;
+    look.effects.occlusion.distance_world = 1;
+    constexpr int size = 160;
+    const auto drawn = [&](Primitives primitives) {
+        primitives.patches = {floor};
+        renderer.load({.look = look, .primitives = std::make_shared<Primitives>(primitives)});
+        renderer.draw(camera, size, size,
+                      {FrameImage::Shadow, FrameImage::Occlusion, FrameImage::Hit});
+        return std::array{renderer.read(FrameImage::Shadow), renderer.read(FrameImage::Occlusion),
+                          renderer.read(FrameImage::Hit)};
+    };
+    const auto of_spline = drawn({.tetrahedra = {ball()}});
+    const auto of_sphere = drawn({.spheres = {{.radius_world = ball_radius}}});
+    int dark = 0, hidden = 0, differ = 0;
+    for (std::size_t i = 0; i < of_sphere[2].rgba.size(); i += 4) {
+        // On the floor alone: a sphere's own rays start differently.
+        if (of_sphere[2].rgba[i + 3] == 0 || of_spline[2].rgba[i + 3] == 0) continue;
+        if (camera.eye_world.y() + double(of_sphere[2].rgba[i + 1]) > -0.99) continue;
+        dark += of_sphere[0].rgba[i] == 0;
+        hidden += of_sphere[1].rgba[i] < 1;
+        differ += of_sphere[0].rgba[i] != of_spline[0].rgba[i] ||
+                  of_sphere[1].rgba[i] != of_spline[1].rgba[i];
+    }
+    EXPECT_GT(dark, 500);
+    EXPECT_GT(hidden, 500);
+    EXPECT_LT(differ, 20); // where the shadow's border, or a ray, grazes the ball
+}
+
+TEST_F(Tetrahedra, HaveTheNormalsAndCurvaturesOfTheirSurface) {
+    constexpr double radius = ball_radius;
     for (const Projection projection : {Projection::Perspective, Projection::Orthographic}) {
         camera = {.eye_world = {1, -2, 5},
                   .target_world = Vec3d::Zero(),
                   .projection = projection,
                   .height_world = 2};
         renderer.load(
-            {.primitives = std::make_shared<Primitives>(Primitives{.tetrahedra = {ball}})});
+            {.primitives = std::make_shared<Primitives>(Primitives{.tetrahedra = {ball()}})});
         renderer.draw(camera, 100, 100,
                       {FrameImage::Hit, FrameImage::Gradient, FrameImage::Curvature});
         const Image hits = renderer.read(FrameImage::Hit);
@@ -224,7 +265,7 @@ TEST_F(Tetrahedra, HaveTheNormalsAndCurvaturesOfTheirSurface) {
 
 // Faces and edges along rows and columns of pixels, and vertices in their middles.
 TEST_F(Tetrahedra, OfAClosedSurfaceLeaveNoHole) {
-    const TetrahedralMesh ball = quadratic_spline(*sampled(builtin_field("sphere"), 17), 0);
+    const TetrahedralMesh whole = quadratic_spline(*sampled(builtin_field("sphere"), 17), 0);
     for (const Projection projection : {Projection::Perspective, Projection::Orthographic})
         for (const Vec3d& direction : {Vec3d(0, 0, 1), Vec3d(0, 0, -1), Vec3d(1, 0, 0),
                                        Vec3d(1, 1, 0), random.unit(), random.unit()})
@@ -234,7 +275,7 @@ TEST_F(Tetrahedra, OfAClosedSurfaceLeaveNoHole) {
                           .projection = projection,
                           .height_world = 2.625};
                 renderer.load(
-                    {.primitives = std::make_shared<Primitives>(Primitives{.tetrahedra = {ball}})});
+                    {.primitives = std::make_shared<Primitives>(Primitives{.tetrahedra = {whole}})});
                 renderer.draw(camera, size, size, {FrameImage::Hit});
                 const Image hits = renderer.read(FrameImage::Hit);
                 const auto inner =

@@ -103,7 +103,9 @@ void print_json(const RenderReport& report) {
     if (report.loaded.primitives)
         primitives = {{"spheres", report.loaded.primitives->spheres.size()},
                       {"cylinders", report.loaded.primitives->cylinders.size()},
-                      {"triangles", report.loaded.primitives->triangle_count()}};
+                      {"triangles", report.loaded.primitives->triangle_count()},
+                      {"patches", report.loaded.primitives->patch_count()},
+                      {"tetrahedra", report.loaded.primitives->tetrahedron_count()}};
     const BrickTotals bricks = totals_of(report);
     Json coarse; // null unless bricks were coarsened
     if (bricks.coarse_of > 0)
@@ -172,11 +174,12 @@ void explain(const RenderReport& report) {
         double(frame.look_bytes) / mib);
     for (const std::string& note : frame.notes) fmt::print("{}\n", note);
     if (report.loaded.primitives)
-        fmt::print("{} spheres, {} cylinders, {} triangles: {:.2f} MiB on the GPU of those that "
-                   "can be seen\n",
-                   report.loaded.primitives->spheres.size(),
-                   report.loaded.primitives->cylinders.size(),
-                   report.loaded.primitives->triangle_count(), double(frame.splat_bytes) / mib);
+        fmt::print(
+            "{} spheres, {} cylinders, {} triangles, {} patches, {} tetrahedra: {:.2f} MiB "
+            "on the GPU of those that can be seen\n",
+            report.loaded.primitives->spheres.size(), report.loaded.primitives->cylinders.size(),
+            report.loaded.primitives->triangle_count(), report.loaded.primitives->patch_count(),
+            report.loaded.primitives->tetrahedron_count(), double(frame.splat_bytes) / mib);
     if (!report.loaded.objects.empty())
         fmt::print(
             "{} of {} bricks on the GPU, {} loaded; stored samples err by {:.2g} voxel at most\n",

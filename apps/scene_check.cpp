@@ -53,13 +53,13 @@ void check_object(const SceneFile& scene, std::size_t i, Problems& problems) {
     const SceneObject& object = scene.objects[i];
     const int sources = !object.field.empty() + !object.mesh.empty() + object.csg.has_value() +
                         !object.morph.empty() + !object.series.empty() + !object.molecule.empty() +
-                        !object.points.empty();
+                        !object.points.empty() + !object.tetrahedra.empty();
     if (sources != 1)
         problems.add(
             fmt::format("object.{}", i),
             fmt::format(
-                "one of field, mesh, csg, morph, series, molecule and points is needed, not "
-                "{}",
+                "one of field, mesh, csg, morph, series, molecule, points and tetrahedra is "
+                "needed, not {}",
                 sources == 0 ? "none" : std::to_string(sources)));
     if (!object.name.empty() && object_named(scene, object.name) != i)
         problems.add(key_of(i, "name"), fmt::format("there is another '{}'", object.name));
@@ -69,11 +69,17 @@ void check_object(const SceneFile& scene, std::size_t i, Problems& problems) {
         problems.add(key_of(i, "of"), "there is no csg that combines these");
     if (!object.morph.empty() && object.morph.size() != 2)
         problems.add(key_of(i, "morph"), "two objects are needed");
-    if (object.is_triangles && object.mesh.empty())
-        problems.add(key_of(i, "as"), "only meshes have triangles");
-    if (object.crease_degrees && !object.is_triangles)
+    using As = SceneObject::As;
+    const bool is_as_it_is = object.as == As::Triangles || object.as == As::Patches;
+    if (is_as_it_is && object.mesh.empty())
+        problems.add(key_of(i, "as"), "only meshes have triangles and patches");
+    if (object.as == As::Spline &&
+        (object.csg || !object.points.empty() || object.glyphs || !object.tetrahedra.empty() ||
+         (!object.molecule.empty() && !object.surface)))
+        problems.add(key_of(i, "as"), "splines are made of fields");
+    if (object.crease_degrees && object.as != As::Triangles)
         problems.add(key_of(i, "crease"), "for meshes that are drawn as triangles");
-    if (object.resolution && (object.mesh.empty() || object.is_triangles))
+    if (object.resolution && (object.mesh.empty() || is_as_it_is))
         problems.add(key_of(i, "resolution"), "only meshes that become fields are converted");
     if (object.surface && object.molecule.empty())
         problems.add(key_of(i, "surface"), "only molecules have such surfaces");
@@ -84,10 +90,13 @@ void check_object(const SceneFile& scene, std::size_t i, Problems& problems) {
                                           "surface and points have none");
     for (const auto& [key, is_there] : {std::pair{"iso", object.iso_world.has_value()},
                                         std::pair{"filter", object.filter.has_value()}})
-        if (is_of_primitives(object) && !has_field(object) && is_there)
+        if (is_of_primitives(object) && !has_field(object) && is_there &&
+            !(std::string_view(key) == "iso" &&
+              (object.as == As::Spline || !object.tetrahedra.empty())))
             problems.add(key_of(i, key),
                          "for fields, which molecules, points and triangles are not");
-    if (object.colour && is_of_primitives(object) && object.points.empty() && !object.is_triangles)
+    if (object.colour && is_of_primitives(object) && object.points.empty() &&
+        object.tetrahedra.empty() && object.as == As::Field)
         problems.add(key_of(i, "colour"), "molecules and glyphs have colours of their own");
     if (object.cut_colour && is_of_primitives(object))
         problems.add(key_of(i, "cut_colour"),

@@ -18,7 +18,7 @@
 namespace isocast {
 
 /// A field, and how it is drawn; or primitives: atoms, points, triangles. One of field, mesh, csg,
-/// morph, series, molecule and points says where it comes from.
+/// morph, series, molecule, points and tetrahedra says where it comes from.
 struct SceneObject {
     enum class Csg { Union, Intersection, Difference };
     std::string name;
@@ -40,7 +40,10 @@ struct SceneObject {
     std::string points;                      // file of points with attributes
     PointLook point_look;                    // of them
 
-    bool is_triangles = false;            // of meshes: drawn as they are, not as fields
+    std::string tetrahedra; // file of quadratic functions in tetrahedra
+    /// Meshes as they are, not as fields; fields as quadrics in tetrahedra.
+    enum class As { Field, Triangles, Patches, Spline };
+    As as = As::Field;
     std::optional<double> crease_degrees; // of triangles
     std::optional<int> glyphs;            // so many of its curvature, instead of its surface
     int glyph_seed = 0;
@@ -164,7 +167,7 @@ std::optional<std::size_t> object_named(const SceneFile& scene, const std::strin
 /// Whether it has a field, which its glyphs stand on if it has some.
 inline bool has_field(const SceneObject& object) {
     return !object.csg && (object.molecule.empty() || object.surface) && object.points.empty() &&
-           !object.is_triangles;
+           object.tetrahedra.empty() && object.as == SceneObject::As::Field;
 }
 /// Whether it is drawn as primitives, not as a field.
 inline bool is_of_primitives(const SceneObject& object) {

@@ -152,19 +152,26 @@ SceneTable object_table() {
     constexpr auto point_look = within(
         [](SceneFile& file, std::size_t i) -> PointLook& { return file.objects[i].point_look; });
     using Csg = SceneObject::Csg;
+    using As = SceneObject::As;
     return {
         "object",
-        "What is drawn. One of field, mesh, csg, morph, series, molecule and points says what it "
-        "is. "
+        "What is drawn. One of field, mesh, csg, morph, series, molecule, points and tetrahedra "
+        "says what it is. "
         "Objects that another one is made of are not drawn themselves.",
         {text("name", object(&SceneObject::name), "By which others refer to it"),
          input("field", &SceneObject::field, "a field", "file or field:NAME@N",
                "A field, with FILE:GRID for one of its grids"),
          input("mesh", &SceneObject::mesh, "a mesh", "file or mesh:NAME",
                "A mesh, converted to a field, or drawn as it is"),
-         choice("as", object(&SceneObject::is_triangles),
-                Names<bool>{{"field", false}, {"triangles", true}},
-                "Meshes: what they are drawn as"),
+         choice(
+             "as", object(&SceneObject::as),
+             Names<As>{{"field", As::Field},
+                       {"triangles", As::Triangles},
+                       {"patches", As::Patches},
+                       {"spline", As::Spline}},
+             "What it is drawn as. Meshes: a field, their triangles, or (.obj, .ply) each face of "
+             "four corners as a bilinear patch. Fields: cubic by their filter, or the quadrics of "
+             "a quadratic spline over tetrahedra"),
          number("crease", object(&SceneObject::crease_degrees), Range{0, 180, false, false},
                 "Triangles: edges that bend by less are shaded as if smooth [degrees], 40 unless "
                 "said; 0: every face is flat"),
@@ -247,6 +254,17 @@ SceneTable object_table() {
                  file.objects[i].points = path;
              },
              path_of(&SceneObject::points)),
+         special(
+             "tetrahedra", "file",
+             "A quadratic function in each tetrahedron of a mesh, from .vtk (legacy, ASCII); its "
+             "surface where it is `iso`",
+             [](SceneFile& file, std::size_t i, const SceneValue& value, const Path& folder) {
+                 const std::string path = resolved(text_of(value), folder);
+                 if (!std::filesystem::exists(path))
+                     throw InputError(fmt::format("{}: no such file", path));
+                 file.objects[i].tetrahedra = path;
+             },
+             path_of(&SceneObject::tetrahedra)),
          number("radius", point_look(&PointLook::radius_world), positive,
                 "Points: of those without a column `radius`"),
          number("radius_pixels", point_look(&PointLook::radius_pixels), positive,

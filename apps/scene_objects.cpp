@@ -3,7 +3,9 @@
 
 #include "distance_transform/convert.h"
 #include "distance_transform/corner_normals.h"
+#include "distance_transform/mesh_files.h"
 #include "filtering/morph.h"
+#include "quadrics/quadratic_spline.h"
 #include "volume/errors.h"
 #include "volume/files.h"
 #include "volume/histogram.h"
@@ -66,6 +68,29 @@ void add(const SceneFile& scene, std::size_t i, ScenePart around, Composition& o
     if (found == out.parts.end()) out.parts.push_back(around);
 }
 
+/// Quads as they are, triangles with a corner twice, and the fans of other faces.
+PatchMesh read_patches(const Input& input) {
+    if (input.kind != Input::Kind::MeshFile)
+        throw InputError(fmt::format("{}: patches are read from .obj and .ply", input.text));
+    PolygonMesh read = read_polygons(input.name);
+    PatchMesh out{.vertices_world = std::move(read.mesh.vertices_world), .quads = {}};
+    std::size_t first = 0; // triangle of the face
+    for (const int corners : read.corner_counts) {
+        const auto end = first + static_cast<std::size_t>(corners) - 2;
+        if (corners == 4) {
+            const auto& [a, b, c] = read.mesh.triangles[first];
+            out.quads.push_back({a, b, c, read.mesh.triangles[first + 1][2]});
+        } else {
+            for (std::size_t i = first; i < end; ++i) {
+                const auto& [a, b, c] = read.mesh.triangles[i];
+                out.quads.push_back({a, b, c, a});
+            }
+        }
+        first = end;
+    }
+    return out;
+}
+
 /// Where the scene says a key of an object, for messages.
 std::string place_of(const SceneFile& scene, std::size_t object, const char* key) {
     const std::string name = fmt::format("object.{}.{}", object, key);
@@ -80,7 +105,8 @@ std::vector<std::string> inputs_of(const SceneObject& object) {
         if (next.fraction == 0) return {next.before.path};
         return {next.before.path, next.after.path};
     }
-    if (object.csg || !object.morph.empty() || !object.molecule.empty() || !object.points.empty())
+    if (object.csg || !object.morph.empty() || !object.molecule.empty() || !object.points.empty() ||
+        !object.tetrahedra.empty())
         return {};
     return {object.mesh.empty() ? object.field : object.mesh};
 }
@@ -113,7 +139,8 @@ std::string name_of(const SceneFile& scene, std::size_t object) {
 
 SceneObjects::SourceKey SceneObjects::key_of(const SceneObject& object, const std::string& input) {
     if (object.mesh.empty()) return {input};
-    if (object.is_triangles) return {.input = input, .is_triangles = true};
+    if (object.as == SceneObject::As::Triangles || object.as == SceneObject::As::Patches)
+        return {.input = input, .as = object.as};
     return {input, object.resolution.value_or(256), object.band_voxels};
 }
 
@@ -131,9 +158,11 @@ void SceneObjects::open(const SceneFile& scene) {
     }
     sources_ = std::move(needed); // what is not needed goes before more is read
     for (auto& [key, source] : sources_) {
-        if (source.mesh || source.field) continue;
+        if (source.mesh || source.field || source.patches) continue;
         source.input = input_from(key.input);
-        if (source.input.is_mesh())
+        if (key.as == SceneObject::As::Patches)
+            source.patches = read_patches(source.input);
+        else if (source.input.is_mesh())
             source.mesh = read_checked_mesh(source.input);
         else
             source.field =
@@ -157,6 +186,14 @@ void SceneObjects::open(const SceneFile& scene) {
         points.emplace(object.points, kept ? std::move(kept.mapped()) : read_points(object.points));
     }
     points_ = std::move(points);
+    std::map<std::string, TetrahedralField> tetrahedra;
+    for (const SceneObject& object : scene.objects) {
+        if (object.tetrahedra.empty() || tetrahedra.contains(object.tetrahedra)) continue;
+        auto kept = tetrahedra_.extract(object.tetrahedra);
+        tetrahedra.emplace(object.tetrahedra,
+                           kept ? std::move(kept.mapped()) : read_tetrahedra(object.tetrahedra));
+    }
+    tetrahedra_ = std::move(tetrahedra);
 }
 
 std::shared_ptr<const Molecule> SceneObjects::molecule_of(const SceneObject& object) const {
@@ -176,6 +213,14 @@ TriangleMesh SceneObjects::triangles_of(const SceneObject& object) const {
     for (Vec3d& vertex : out.vertices_world) vertex = to_world * vertex;
     const Eigen::Matrix3f turn = (to_world.linear() / object.placement.scale).cast<float>();
     for (Eigen::Vector3f& normal : out.normals_world) normal = turn * normal;
+    return out;
+}
+
+/// Where the object places them, without a colour.
+PatchMesh SceneObjects::patches_of(const SceneObject& object) const {
+    PatchMesh out = *sources_.at(key_of(object, object.mesh)).patches;
+    const Eigen::Affine3d to_world = object.placement.to_world();
+    for (Vec3d& vertex : out.vertices_world) vertex = to_world * vertex;
     return out;
 }
 
@@ -448,11 +493,30 @@ Scene SceneObjects::compose(const SceneFile& scene, const Progress& progress,
                                  drawn.dropped));
         }
     }
-    for (const SceneObject& object : scene.objects)
-        if (object.is_triangles) {
-            primitives->meshes.push_back(triangles_of(object));
-            primitives->meshes.back().colour = object.colour.value_or(scene.look.material.colour);
+    for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+        const SceneObject& object = scene.objects[i];
+        const auto add = [&](auto& meshes, auto mesh) {
+            meshes.push_back(std::move(mesh));
+            meshes.back().colour = object.colour.value_or(scene.look.material.colour);
+        };
+        if (object.as == SceneObject::As::Triangles) add(primitives->meshes, triangles_of(object));
+        if (object.as == SceneObject::As::Patches) add(primitives->patches, patches_of(object));
+        if (object.as == SceneObject::As::Spline) {
+            const Surface surface = making.surface_of(i);
+            MadeSpline& made = splines_[i];
+            if (made.field != surface.field || made.iso_world != surface.iso_world)
+                made = {surface.field, surface.iso_world,
+                        quadratic_spline(*surface.field, surface.iso_world, progress)};
+            add(primitives->tetrahedra, made.mesh);
         }
+        if (!object.tetrahedra.empty()) {
+            TetrahedralMesh mesh =
+                isosurface(tetrahedra_.at(object.tetrahedra), object.iso_world.value_or(0));
+            const Eigen::Affine3d to_world = object.placement.to_world();
+            for (Vec3d& vertex : mesh.vertices_world) vertex = to_world * vertex;
+            add(primitives->tetrahedra, std::move(mesh));
+        }
+    }
     if (primitives->count() > 0) out.primitives = std::move(primitives);
     out.cut = scene.cut;
     return out;

@@ -5,6 +5,7 @@
 #include "apps/field_series.h"
 #include "apps/inputs.h"
 #include "apps/scene_file.h"
+#include "quadrics/tetrahedral_field.h"
 #include "raycaster/curved_points.h"
 #include "volume/progress.h"
 
@@ -60,12 +61,13 @@ private:
         std::string input;
         int resolution = 0; // of meshes
         double band_voxels = 0;
-        bool is_triangles = false; // not converted
+        SceneObject::As as = SceneObject::As::Field; // triangles, patches: not converted
         auto operator<=>(const SourceKey&) const = default;
     };
     struct Source {
         Input input;
         std::optional<CheckedMesh> mesh; // to be converted, or drawn
+        std::optional<PatchMesh> patches;
         std::shared_ptr<const FieldSource> field;
         std::optional<double> iso_world; // found when it is first asked for
     };
@@ -92,6 +94,7 @@ private:
     };
     std::shared_ptr<const Molecule> molecule_of(const SceneObject& object) const;
     TriangleMesh triangles_of(const SceneObject& object) const;
+    PatchMesh patches_of(const SceneObject& object) const;
     class Making; // of one frame
 
     static SourceKey key_of(const SceneObject& object, const std::string& input);
@@ -100,7 +103,14 @@ private:
     std::map<std::size_t, Pair> pairs_; // of morphs, by object
     std::map<std::size_t, Placed> placed_;
     std::vector<std::pair<MoleculeKey, std::shared_ptr<const Molecule>>> molecules_;
-    std::map<std::string, PointData> points_; // by path
+    std::map<std::string, PointData> points_;            // by path
+    std::map<std::string, TetrahedralField> tetrahedra_; // by path
+    struct MadeSpline {
+        std::shared_ptr<const FieldSource> field;
+        double iso_world = 0;
+        TetrahedralMesh mesh;
+    };
+    std::map<std::size_t, MadeSpline> splines_; // by object
     struct MadeSurface {
         std::shared_ptr<const Molecule> molecule;
         MolecularSurfaceOptions options;

@@ -174,6 +174,20 @@ Mesh read_mesh(const std::filesystem::path& path) {
     return mesh;
 }
 
+PolygonMesh read_polygons(const std::filesystem::path& path) {
+    const std::string extension = lower_case_extension(path);
+    if (extension != ".obj" && extension != ".ply")
+        throw InputError(fmt::format("{}: polygons are read from .obj and .ply", path.string()));
+    const std::string bytes = read_whole(path);
+    PolygonMesh out;
+    out.mesh = extension == ".obj" ? parse_obj(bytes, path.string(), nullptr, &out.corner_counts)
+                                   : parse_ply(bytes, path.string(), nullptr, &out.corner_counts);
+    if (out.corner_counts.empty())
+        throw InputError(fmt::format("{}: no faces ({} vertices)", path.string(),
+                                     out.mesh.vertices_world.size()));
+    return out;
+}
+
 void write_mesh(const Mesh& mesh, const std::filesystem::path& path) {
     Text text;
     format_of(path).append(text, mesh);

@@ -17,6 +17,14 @@ std::string mesh_file_extensions();
 ///         no triangles, a coordinate that is not finite, an index out of range, …
 Mesh read_mesh(const std::filesystem::path& path);
 
+/// A mesh with its polygons, whose fans the triangles are, in order.
+struct PolygonMesh {
+    Mesh mesh;
+    std::vector<int> corner_counts; // of each face
+};
+/// throws  InputError as read_mesh(), and for formats other than .obj and .ply
+PolygonMesh read_polygons(const std::filesystem::path& path);
+
 /// Writes a mesh; positions with as many digits as give the double back (doubles in binary PLY).
 ///
 /// Format by extension: .obj, .ply, .off, and .stl, which is written as text since binary STL holds

@@ -21,8 +21,12 @@ Mesh parse_off(std::string_view bytes, std::string_view name);
 
 /// The same for points: no faces are needed, and normals of the vertices are told, if any
 /// (OBJ: all `vn`, which may be for corners of faces instead).
-Mesh parse_obj(std::string_view bytes, std::string_view name, std::vector<Vec3d>* vertex_normals);
-Mesh parse_ply(std::string_view bytes, std::string_view name, std::vector<Vec3d>* vertex_normals);
+///
+/// corner_counts  is told how many corners each face has, if it is not null
+Mesh parse_obj(std::string_view bytes, std::string_view name, std::vector<Vec3d>* vertex_normals,
+               std::vector<int>* corner_counts = nullptr);
+Mesh parse_ply(std::string_view bytes, std::string_view name, std::vector<Vec3d>* vertex_normals,
+               std::vector<int>* corner_counts = nullptr);
 
 /// The bytes of a file.
 /// throws  InputError that names it and the cause: missing, a directory, empty, …

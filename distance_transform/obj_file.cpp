@@ -36,7 +36,8 @@ std::int64_t corner_index(const TextScanner& scanner, std::string_view corner,
 
 } // namespace
 
-Mesh parse_obj(std::string_view bytes, std::string_view name, std::vector<Vec3d>* normals) {
+Mesh parse_obj(std::string_view bytes, std::string_view name, std::vector<Vec3d>* normals,
+               std::vector<int>* corner_counts) {
     TextScanner scanner(bytes, name, {.hash_comments = true, .backslash_continuation = true});
     Mesh mesh;
     HighestIndex highest;
@@ -62,6 +63,7 @@ Mesh parse_obj(std::string_view bytes, std::string_view name, std::vector<Vec3d>
             if (polygon.size() < 3)
                 scanner.fail(fmt::format("face {} has {} corners", faces, polygon.size()));
             append_fan(mesh, polygon);
+            if (corner_counts) corner_counts->push_back(static_cast<int>(polygon.size()));
         }
     }
     if (highest.face > 0 && highest.index >= std::ssize(mesh.vertices_world))

@@ -313,7 +313,7 @@ void read_face(Values& values, const Layout& layout, std::vector<int>& polygon,
 
 template<class Values>
 Mesh read_body(Values values, const Header& header, std::string_view name,
-               std::vector<Vec3d>* vertex_normals) {
+               std::vector<Vec3d>* vertex_normals, std::vector<int>* corner_counts) {
     const Layout layout = layout_of(header, name, vertex_normals != nullptr);
     if (layout.vertex->count > std::numeric_limits<int>::max())
         throw InputError(fmt::format("{}: {} vertices are too many", name, layout.vertex->count));
@@ -331,6 +331,7 @@ Mesh read_body(Values values, const Header& header, std::string_view name,
                 } else if (&element == layout.face) {
                     read_face(values, layout, polygon, where);
                     append_fan(mesh, polygon);
+                    if (corner_counts) corner_counts->push_back(static_cast<int>(polygon.size()));
                 } else {
                     for (const Property& property : element.properties)
                         skip_property(values, property, where);
@@ -347,15 +348,16 @@ Mesh read_body(Values values, const Header& header, std::string_view name,
 
 } // namespace
 
-Mesh parse_ply(std::string_view bytes, std::string_view name, std::vector<Vec3d>* vertex_normals) {
+Mesh parse_ply(std::string_view bytes, std::string_view name, std::vector<Vec3d>* vertex_normals,
+               std::vector<int>* corner_counts) {
     TextScanner scanner(bytes, name, {});
     const Header header = read_header(scanner);
     if (header.format == Format::Text)
-        return read_body(TextValues(scanner), header, name, vertex_normals);
+        return read_body(TextValues(scanner), header, name, vertex_normals, corner_counts);
     const bool is_little = header.format == Format::LittleEndian;
     const bool swap = is_little != (std::endian::native == std::endian::little);
     return read_body(BinaryValues(bytes.substr(std::min(scanner.position(), bytes.size())), swap),
-                     header, name, vertex_normals);
+                     header, name, vertex_normals, corner_counts);
 }
 
 Mesh parse_ply(std::string_view bytes, std::string_view name) {

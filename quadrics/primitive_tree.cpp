@@ -2,6 +2,7 @@
 #include "quadrics/primitive_tree.h"
 
 #include "quadrics/in_parallel.h"
+#include "quadrics/patch_splats.h"
 
 #include <tbb/parallel_invoke.h>
 
@@ -36,13 +37,55 @@ Box rounded(const Eigen::AlignedBox3d& box) {
     return {(box.min().array() - spare).cast<float>(), (box.max().array() + spare).cast<float>()};
 }
 
+template<class Primitive>
+bool is_nothing(const Primitive&) {
+    return false;
+}
+bool is_nothing(const Triangle& triangle) {
+    return area_normal(triangle).isZero(0);
+}
+bool is_nothing(const Patch& patch) {
+    return is_without_area(patch);
+}
+bool is_nothing(const Tetrahedron& tetrahedron) {
+    return is_without_volume(tetrahedron);
+}
+
+/// The elements of meshes: how many, one of them, and its kind.
+std::size_t size_of(const TriangleMesh& mesh) {
+    return mesh.triangles.size();
+}
+std::size_t size_of(const PatchMesh& mesh) {
+    return mesh.quads.size();
+}
+std::size_t size_of(const TetrahedralMesh& mesh) {
+    return mesh.tetrahedra.size();
+}
+Triangle element_of(const TriangleMesh& mesh, std::size_t i) {
+    return triangle_of(mesh, i);
+}
+Patch element_of(const PatchMesh& mesh, std::size_t i) {
+    return patch_of(mesh, i);
+}
+Tetrahedron element_of(const TetrahedralMesh& mesh, std::size_t i) {
+    return tetrahedron_of(mesh, i);
+}
+SplatKind kind_of(const TriangleMesh&) {
+    return SplatKind::Triangle;
+}
+SplatKind kind_of(const PatchMesh&) {
+    return SplatKind::Patch;
+}
+SplatKind kind_of(const TetrahedralMesh&) {
+    return SplatKind::Tetrahedron;
+}
+
 /// From the eye; empty if nothing of it is to be met.
 template<class Primitive>
 Box box_of(const Primitive& primitive, const Vec3d& eye_world,
            const std::vector<CutPlane>& planes) {
     if (is_cut_away(primitive, planes)) return {};
-    if constexpr (std::is_same_v<Primitive, Triangle>)
-        if (area_normal(primitive).isZero(0)) return {};
+    if (is_nothing(primitive)) return {};
     Eigen::AlignedBox3d box;
     for (int axis = 0; axis < 3; ++axis) {
         const Reach reach = reach_along(primitive, Vec3d(Vec3d::Unit(axis)));
@@ -54,7 +97,7 @@ Box box_of(const Primitive& primitive, const Vec3d& eye_world,
 
 std::vector<Item> items_of(const Primitives& primitives, const Vec3d& eye_world,
                            const std::vector<CutPlane>& planes) {
-    std::vector<Item> items(primitives.solid_count() + primitives.triangle_count());
+    std::vector<Item> items(primitives.count()); // of which none are dots
     in_parallel(primitives.solid_count(), [&](std::size_t i) {
         visit_solid(primitives, i, [&](const auto& one) {
             items[i] = {box_of(one, eye_world, planes), static_cast<std::uint32_t>(i),
@@ -62,13 +105,13 @@ std::vector<Item> items_of(const Primitives& primitives, const Vec3d& eye_world,
         });
     });
     std::size_t first = primitives.solid_count();
-    for (const TriangleMesh& mesh : primitives.meshes) {
-        in_parallel(mesh.triangles.size(), [&](std::size_t i) {
-            items[first + i] = {box_of(triangle_of(mesh, i), eye_world, planes),
-                                static_cast<std::uint32_t>(first + i), SplatKind::Triangle};
+    for_each_mesh(primitives, [&](const auto& mesh) {
+        in_parallel(size_of(mesh), [&](std::size_t i) {
+            items[first + i] = {box_of(element_of(mesh, i), eye_world, planes),
+                                static_cast<std::uint32_t>(first + i), kind_of(mesh)};
         });
-        first += mesh.triangles.size();
-    }
+        first += size_of(mesh);
+    });
     std::erase_if(items, [](const Item& item) { return item.box.isEmpty(); });
     return items;
 }
@@ -159,7 +202,9 @@ void build(std::span<Item> items, std::vector<Node>& nodes) {
     nodes[at].subtree = static_cast<int>(nodes.size() - at);
 }
 
-void put_triangle(const Triangle& triangle, const Vec3d& eye_world, float* to) {
+/// Along the world's axes.
+void put_body(const Triangle& triangle, const PictureSpace& space, float* to) {
+    const Vec3d& eye_world = space.eye_world;
     const auto put = [&](const Vec3d& v, double w) {
         for (const double value : {v.x(), v.y(), v.z(), w}) *to++ = static_cast<float>(value);
     };
@@ -169,21 +214,17 @@ void put_triangle(const Triangle& triangle, const Vec3d& eye_world, float* to) {
 }
 
 void put_item(const Primitives& primitives, const Item& item, const Vec3d& eye_world, float* to) {
+    const PictureSpace space{.eye_world = eye_world, .view_from_world = Mat3d::Identity()};
     std::size_t number = item.number;
     if (number < primitives.solid_count()) {
-        visit_solid(primitives, number, [&](const auto& one) {
-            put_body(one, {.eye_world = eye_world, .view_from_world = Mat3d::Identity()}, to);
-        });
+        visit_solid(primitives, number, [&](const auto& one) { put_body(one, space, to); });
         return;
     }
     number -= primitives.solid_count();
-    for (const TriangleMesh& mesh : primitives.meshes) {
-        if (number < mesh.triangles.size()) {
-            put_triangle(triangle_of(mesh, number), eye_world, to);
-            return;
-        }
-        number -= mesh.triangles.size();
-    }
+    for_each_mesh(primitives, [&](const auto& mesh) {
+        if (number < size_of(mesh)) put_body(element_of(mesh, number), space, to);
+        number -= size_of(mesh); // the meshes after it are not as large as what that wraps to
+    });
 }
 
 Eigen::Vector4i packed(const Eigen::Vector3f& corner, int more) {
@@ -192,6 +233,8 @@ Eigen::Vector4i packed(const Eigen::Vector3f& corner, int more) {
 }
 
 } // namespace
+
+static_assert(splat_kind_count <= 8, "a leaf's kind has three bits");
 
 PrimitiveTree tree_of(const Primitives& primitives, const Vec3d& eye_world,
                       const std::vector<CutPlane>& planes) {

@@ -16,7 +16,7 @@ struct PrimitiveTree {
     /// needs no stack.
     std::vector<Eigen::Vector4i> nodes;
     /// In the order of leaves, as put_body(); of triangles each corner with 0, the unit normal with
-    /// the plane's offset.
+    /// the plane's offset; as many for each as body_floats() has it.
     std::vector<float> bodies;
     unsigned kinds = 0; // SplatKind, by bits
 };

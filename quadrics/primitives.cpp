@@ -109,6 +109,8 @@ void check(const Primitives& primitives) {
         throw InputError(fmt::format("{} primitives: {} at most", primitives.count(), most));
     for_each_kind(primitives, [](const auto& some) { check(std::span(some)); });
     check(std::span(primitives.meshes));
+    check(std::span(primitives.patches));
+    check(std::span(primitives.tetrahedra));
     check(std::span(primitives.dots));
 }
 
@@ -146,8 +148,9 @@ Eigen::AlignedBox3d box_of(const Primitives& primitives) {
         extend_between(c.a_world, c.b_world, c.radius_a_world, c.radius_b_world);
     for (const ClippedQuadric& q : primitives.quadrics)
         extend(box, q.centre_world, q.axes_world.cwiseAbs().rowwise().sum());
-    for (const TriangleMesh& mesh : primitives.meshes)
+    for_each_mesh(primitives, [&](const auto& mesh) {
         for (const Vec3d& vertex : mesh.vertices_world) box.extend(vertex);
+    });
     for (const Superquadric& s : primitives.superquadrics)
         extend(
             box, s.centre_world,
@@ -208,8 +211,9 @@ std::vector<Vec3d> extreme_points(const Primitives& primitives) {
         for_each_kind(primitives, [&](const auto& some) {
             for (const auto& one : some) offer(farthest_point(one, d));
         });
-        for (const TriangleMesh& mesh : primitives.meshes)
+        for_each_mesh(primitives, [&](const auto& mesh) {
             for (const Vec3d& vertex : mesh.vertices_world) offer(vertex);
+        });
         if (std::isfinite(farthest)) points.push_back(point);
     }
     return points;

@@ -1,8 +1,10 @@
 // What is drawn one by one: spheres, ellipsoids, cylinders, cones, general quadrics in a box,
-// superquadrics and triangles.
+// superquadrics, triangles, bilinear patches and quadrics in tetrahedra.
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
+#include "quadrics/bilinear.h"
+#include "quadrics/tetrahedra.h"
 #include "quadrics/triangles.h"
 
 #include <optional>
@@ -98,18 +100,33 @@ struct Primitives {
     std::vector<ClippedQuadric> quadrics;
     std::vector<Superquadric> superquadrics;
     std::vector<TriangleMesh> meshes;
+    std::vector<PatchMesh> patches;
+    std::vector<TetrahedralMesh> tetrahedra;
     std::vector<Dot> dots; // spheres once there is a picture: with_dots_as_spheres()
 
-    std::size_t solid_count() const; // of all but triangles and dots
+    std::size_t solid_count() const; // of all but meshes and dots
+    std::size_t mesh_count() const { return meshes.size() + patches.size() + tetrahedra.size(); }
     std::size_t triangle_count() const {
         std::size_t sum = 0;
         for (const TriangleMesh& mesh : meshes) sum += mesh.triangles.size();
         return sum;
     }
-    std::size_t count() const { return solid_count() + triangle_count() + dots.size(); }
+    std::size_t patch_count() const {
+        std::size_t sum = 0;
+        for (const PatchMesh& mesh : patches) sum += mesh.quads.size();
+        return sum;
+    }
+    std::size_t tetrahedron_count() const {
+        std::size_t sum = 0;
+        for (const TetrahedralMesh& mesh : tetrahedra) sum += mesh.tetrahedra.size();
+        return sum;
+    }
+    std::size_t count() const {
+        return solid_count() + triangle_count() + patch_count() + tetrahedron_count() + dots.size();
+    }
 };
 
-/// Calls f with the primitives of each kind but triangles and dots, in the order by which all are
+/// Calls f with the primitives of each kind but meshes and dots, in the order by which all are
 /// numbered.
 template<class SomePrimitives, class Function>
 void for_each_kind(SomePrimitives& primitives, Function f) {
@@ -121,7 +138,15 @@ void for_each_kind(SomePrimitives& primitives, Function f) {
     f(primitives.superquadrics);
 }
 
-/// Calls f with the primitive of this number, which is none of a triangle or a dot.
+/// Calls f with the meshes of each kind, whose numbers follow.
+template<class SomePrimitives, class Function>
+void for_each_mesh(SomePrimitives& primitives, Function f) {
+    for (auto& mesh : primitives.meshes) f(mesh);
+    for (auto& mesh : primitives.patches) f(mesh);
+    for (auto& mesh : primitives.tetrahedra) f(mesh);
+}
+
+/// Calls f with the primitive of this number, which is none of a mesh or a dot.
 template<class Function>
 void visit_solid(const Primitives& primitives, std::size_t number, Function f) {
     for_each_kind(primitives, [&](const auto& some) {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "quadrics/splats.h"
 
+#include "quadrics/hull_cover.h"
 #include "quadrics/in_parallel.h"
+#include "quadrics/patch_splats.h"
 #include "quadrics/quadric.h"
 #include "quadrics/superquadric.h"
 #include "quadrics/triangle_splats.h"
@@ -16,7 +18,6 @@ namespace isocast {
 
 namespace {
 
-constexpr double margin_pixels = 1.0 / 16;
 /// Rectangles that reach farther are cut to the picture: floats know them to a 64th of a pixel.
 constexpr double greatest_pixels = 1 << 17;
 
@@ -231,18 +232,6 @@ Outline outline_behind_planes(const Primitive& primitive, const SplatView& view)
     return outline;
 }
 
-/// A splat's floats, one after the other.
-class Record {
-public:
-    explicit Record(float* next) : next_(next) {}
-    void put(std::initializer_list<double> values) {
-        for (const double value : values) *next_++ = static_cast<float>(value);
-    }
-
-private:
-    float* next_;
-};
-
 /// Where a footprint is drawn: its box, of which what is hidden is left out unless shapes are
 /// compared.
 PixelBox drawn_box(const Footprint& f, const VisibleFootprint& seen, BoundingShape shape) {
@@ -390,6 +379,10 @@ Splats splats_of(const Primitives& primitives, const SplatView& view) {
         append_splats(primitives.meshes[m], {primitives.solid_count() + m, number}, view, out);
         number += primitives.meshes[m].triangles.size();
     }
+    std::size_t number = primitives.solid_count() + primitives.meshes.size();
+    for (const PatchMesh& mesh : primitives.patches) append_splats(mesh, number++, view, out);
+    for (const TetrahedralMesh& mesh : primitives.tetrahedra)
+        append_splats(mesh, number++, view, out);
     return out;
 }
 

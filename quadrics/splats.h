@@ -46,8 +46,17 @@ Primitives with_dots_as_spheres(Primitives primitives, const PictureSpace& space
                                 double pixels_per_unit);
 
 /// Which code meets a splat's rays.
-enum class SplatKind { Sphere, Ellipsoid, Cone, General, Superquadric, Triangle };
-inline constexpr int splat_kind_count = 6;
+enum class SplatKind {
+    Sphere,
+    Ellipsoid,
+    Cone,
+    General,
+    Superquadric,
+    Triangle,
+    Patch,
+    Tetrahedron
+};
+inline constexpr int splat_kind_count = 8;
 inline constexpr unsigned all_splat_kinds = (1U << splat_kind_count) - 1; // by bits
 template<class Primitive>
 inline constexpr SplatKind splat_kind = SplatKind::Cone; // of cylinders, too
@@ -65,7 +74,7 @@ constexpr SplatKind splat_kind_of(const Primitive&) {
 }
 
 /// Floats of a splat, by kind; shaders/quadrics/splat.glsl says which.
-inline constexpr std::array<int, splat_kind_count> splat_floats{12, 24, 20, 36, 24, 24};
+inline constexpr std::array<int, splat_kind_count> splat_floats{12, 24, 20, 36, 24, 24, 24, 52};
 
 /// Of these its place in the picture, before its body.
 constexpr int place_floats(SplatKind kind) {
@@ -99,7 +108,8 @@ struct Splats {
     }
 };
 
-/// Primitives are numbered kind by kind in the order of Primitives; triangles by their meshes.
+/// Primitives are numbered kind by kind in the order of Primitives; of meshes all
+/// elements have the mesh's number.
 ///
 /// primitives  checked, without dots
 /// returns     those of which some part is in front of the eye and within the part of the picture,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "quadrics/triangle_splats.h"
 
-#include <tbb/parallel_for.h>
+#include "quadrics/hull_cover.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,8 +20,6 @@ std::array<Vec3d, 3> in_view(const Triangle& triangle, const PictureSpace& space
     return out;
 }
 
-/// A margin in every direction; pixels' positions are rounded to a 64th at least.
-constexpr double margin_pixels = 1.0 / 16;
 /// Corners that lie farther are cut away: as of splats.
 constexpr double greatest_pixels = 1 << 17;
 
@@ -45,37 +43,6 @@ TriangleCover grown(const std::array<Vec2d, 3>& corners, const Eigen::AlignedBox
         return {middle + scale * (a - middle), scale * ab, scale * ac, pixels};
     }
     return {lo, {2 * size.x(), 0}, {0, 2 * size.y()}, pixels};
-}
-
-/// A point of the picture as (x, y, 1) times its depth: behind the eye, too.
-using Pixel = Vec3d;
-
-/// The box of the part of the polygon that is within the picture; empty if none is. A cut is a
-/// weighted mean of two ends, by how far inside one and outside the other lies.
-Eigen::AlignedBox2d clipped(std::vector<Pixel> polygon, const SplatView& view) {
-    const std::array<Vec3d, 4> sides{Vec3d(1, 0, 1), Vec3d(-1, 0, view.width + 1.0), Vec3d(0, 1, 1),
-                                     Vec3d(0, -1, view.height + 1.0)};
-    for (const Vec3d& side : sides) {
-        std::vector<Pixel> inside;
-        for (std::size_t i = 0; i < polygon.size(); ++i) {
-            const Pixel& p = polygon[i];
-            const Pixel& q = polygon[(i + 1) % polygon.size()];
-            const double of_p = side.dot(p);
-            const double of_q = side.dot(q);
-            if (of_p >= 0) inside.push_back(p);
-            if ((of_p < 0) != (of_q < 0))
-                inside.push_back((p * std::abs(of_q) + q * std::abs(of_p)) /
-                                 (std::abs(of_p) + std::abs(of_q)));
-        }
-        polygon = std::move(inside);
-    }
-    Eigen::AlignedBox2d box;
-    for (const Pixel& p : polygon) {
-        // At the eye it is anywhere.
-        if (!(p.z() > 0)) return {Vec2d(-1, -1), Vec2d(view.width + 1.0, view.height + 1.0)};
-        box.extend(Vec2d(p.head<2>() / p.z()));
-    }
-    return box;
 }
 
 /// Whether a pixel's middle lies within the margin, as far as that is worth finding out.
@@ -111,10 +78,7 @@ bool has_middles(const std::optional<std::array<Vec2d, 3>>& corners, const Eigen
 std::optional<TriangleCover> cover_of(const Triangle& triangle, const SplatView& view) {
     if (area_normal(triangle).isZero(0)) return std::nullopt;
     std::array<Pixel, 3> pixels;
-    for (std::size_t k = 0; const Vec3d& p : in_view(triangle, view.space)) {
-        const double depth = view.space.is_perspective ? -p.z() : 1;
-        pixels[k++] << view.pixels_per_unit * p.head<2>() + view.middle_pixels * depth, depth;
-    }
+    for (std::size_t k = 0; k < 3; ++k) pixels[k] = pixel_of(triangle.corners_world[k], view);
     std::array<Vec2d, 3> corners;
     Eigen::AlignedBox2d box;
     bool is_cut = false;
@@ -157,44 +121,24 @@ TriangleRay ray_of(const Triangle& triangle, const PictureSpace& space) {
 
 void append_splats(const TriangleMesh& mesh, const MeshNumbers& numbers, const SplatView& view,
                    Splats& splats) {
-    constexpr std::size_t block = 4096; // triangles, that one thread writes down
-    struct Written {
-        std::vector<float> records;
-        std::vector<PixelBox> boxes;
-    };
-    std::vector<Written> blocks((mesh.triangles.size() + block - 1) / block);
-    tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
-        Written& out = blocks[b];
-        const auto put = [&out](const Vec3d& v, double w) {
-            for (const double value : {v.x(), v.y(), v.z(), w})
-                out.records.push_back(static_cast<float>(value));
-        };
-        const std::size_t end = std::min((b + 1) * block, mesh.triangles.size());
-        for (std::size_t i = b * block; i < end; ++i) {
-            const Triangle triangle = triangle_of(mesh, i);
-            if (is_cut_away(triangle, view.planes)) continue;
-            const auto cover = cover_of(triangle, view);
-            if (!cover) continue;
-            const TriangleRay ray = ray_of(triangle, view.space);
-            out.boxes.push_back(cover->box);
-            put({cover->corner.x(), cover->corner.y(), cover->side_a.x()}, cover->side_a.y());
-            put({cover->side_b.x(), cover->side_b.y(), double(numbers.mesh)},
-                double(numbers.first_triangle + i));
-            put(ray.edges[0], ray.nearest_world);
-            put(ray.edges[1], ray.farthest_world);
-            put(ray.edges[2], 0);
-            put(ray.normal, ray.offset_world);
-        }
-    });
-    std::vector<float>& records = splats.records[static_cast<std::size_t>(SplatKind::Triangle)];
-    std::size_t float_count = records.size();
-    for (const Written& written : blocks) float_count += written.records.size();
-    records.reserve(float_count);
-    for (Written& written : blocks) {
-        records.insert(records.end(), written.records.begin(), written.records.end());
-        splats.boxes.insert(splats.boxes.end(), written.boxes.begin(), written.boxes.end());
-        written = {};
-    }
+    append_in_order(SplatKind::Triangle, mesh.triangles.size(), splats,
+                    [&](std::size_t i, float* to) -> std::optional<PixelBox> {
+                        const Triangle triangle = triangle_of(mesh, i);
+                        if (is_cut_away(triangle, view.planes)) return std::nullopt;
+                        const auto cover = cover_of(triangle, view);
+                        if (!cover) return std::nullopt;
+                        const TriangleRay ray = ray_of(triangle, view.space);
+                        Record record(to);
+                        record.put({cover->corner.x(), cover->corner.y(), cover->side_a.x(),
+                                    cover->side_a.y()});
+                        record.put({cover->side_b.x(), cover->side_b.y(), double(numbers.mesh),
+                                    double(numbers.first_triangle + i)});
+                        record.put(ray.edges[0], ray.nearest_world);
+                        record.put(ray.edges[1], ray.farthest_world);
+                        record.put(ray.edges[2], 0);
+                        record.put(ray.normal, ray.offset_world);
+                        return cover->box;
+                    });
 }
 
 } // namespace isocast

@@ -11,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 namespace isocast {
 
@@ -105,14 +106,36 @@ RayHit hit_of(const Triangle& triangle, const Ray& ray, double t_near) {
     return {t, normal.stableNormalized(), volumes};
 }
 
-Window window_of(const Triangle& triangle, const Picture& picture) {
+Window window_of(std::span<const Vec3d> corners_world, const Picture& picture) {
     Eigen::AlignedBox2d box;
-    for (const Vec3d& corner : triangle.corners_world) {
+    for (const Vec3d& corner : corners_world) {
         const Vec3d at = picture.space.view_from_world * (corner - picture.camera.eye_world);
         if (picture.space.is_perspective && !(at.z() < 0)) return picture.all();
         box.extend(Eigen::Vector2d(at.head<2>() / (picture.space.is_perspective ? -at.z() : 1)));
     }
     return picture.window(box.min().x(), box.max().x(), box.min().y(), box.max().y());
+}
+
+RayHit hit_of(const Patch& patch, const Ray& ray, double t_near) {
+    if (is_without_area(patch)) return {};
+    const auto hit = intersect(patch, ray.origin_world, ray.direction_world, t_near);
+    return hit ? RayHit{hit->t, hit->normal, Vec3d::Zero()} : RayHit{};
+}
+
+RayHit hit_of(const Tetrahedron& tetrahedron, const Ray& ray, double t_near) {
+    if (is_without_volume(tetrahedron)) return {};
+    const auto hit = intersect(tetrahedron, ray.origin_world, ray.direction_world, t_near);
+    return hit ? RayHit{hit->t, hit->normal, Vec3d::Zero()} : RayHit{};
+}
+
+Window window_of(const Patch& patch, const Picture& picture) {
+    return window_of(patch.corners_world, picture);
+}
+Window window_of(const Tetrahedron& tetrahedron, const Picture& picture) {
+    return window_of(tetrahedron.corners_world, picture);
+}
+Window window_of(const Triangle& triangle, const Picture& picture) {
+    return window_of(triangle.corners_world, picture);
 }
 
 template<class Primitive>
@@ -161,7 +184,10 @@ OrderedHit cut_hit_of(const Primitive& primitive, const Ray& ray, const Kept& ke
     if (kept.plane && look == CutLook::Flat && hit.normal.dot(ray.direction_world) > 0)
         hit.normal = kept.plane->normal;
     hit.order = hit.t;
-    if constexpr (!std::is_same_v<Primitive, Triangle>) {
+    constexpr bool is_of_mesh = std::is_same_v<Primitive, Triangle> ||
+                                std::is_same_v<Primitive, Patch> ||
+                                std::is_same_v<Primitive, Tetrahedron>;
+    if constexpr (!is_of_mesh) { // which have no inside
         const Vec3d at = ray.origin_world + kept.t_near * ray.direction_world;
         const double depth =
             kept.plane && look == CutLook::Capped ? depth_inside(primitive, at) : 0;
@@ -254,6 +280,17 @@ std::vector<SeenPrimitive> cast_primitives(const Primitives& with_dots, const Ca
                 });
             ++number;
         }
+        const auto cast_mesh = [&](const auto& mesh, std::size_t count, auto element_of) {
+            for (std::size_t i = 0; i < count; ++i)
+                cast_one(element_of(mesh, i), [&](const RayHit&, const Ray&, SeenPrimitive& pixel) {
+                    pixel.colour = mesh.colour;
+                });
+            ++number;
+        };
+        for (const PatchMesh& mesh : primitives.patches)
+            cast_mesh(mesh, mesh.quads.size(), patch_of);
+        for (const TetrahedralMesh& mesh : primitives.tetrahedra)
+            cast_mesh(mesh, mesh.tetrahedra.size(), tetrahedron_of);
     });
     return seen;
 }

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <glad/gl.h>
 
+#include <algorithm>
 #include <array>
 
 namespace isocast {
@@ -15,7 +16,7 @@ namespace {
 
 using Defines = std::map<std::string, std::string>;
 
-constexpr unsigned normals_unit = 12; // of shaders/quadrics/triangle_normals.glsl
+constexpr unsigned normals_unit = 14; // of shaders/quadrics/triangle_normals.glsl
 
 /// Of a splat: two triangles make a rectangle.
 constexpr int vertex_count(SplatKind kind) {
@@ -126,8 +127,10 @@ bool is_perspective(const FrameContext& frame) {
 }
 
 bool has_normals(const SplatsOnGpu& splats) {
-    return splats.of_scene->triangle_normals.buffer.byte_count() > 0 && !splats.kinds.empty() &&
-           splats.kinds.back().kind == SplatKind::Triangle;
+    return splats.of_scene->triangle_normals.buffer.byte_count() > 0 &&
+           std::ranges::any_of(splats.kinds, [](const SplatsOnGpu::OfKind& of_kind) {
+               return of_kind.kind == SplatKind::Triangle;
+           });
 }
 
 void draw_splats(
@@ -308,6 +311,8 @@ std::vector<gl::ProgramKey> splat_programs() {
                                                  {16U, false},
                                                  {32U, false},
                                                  {32U, true},
+                                                 {64U, false},
+                                                 {128U, false},
                                                  {all_splat_kinds, true}}) {
             const auto defines = [&, kinds = kinds, has_normals = has_normals](bool has_hessian) {
                 return defines_of(kinds, is_perspective, {}, has_normals, has_hessian);

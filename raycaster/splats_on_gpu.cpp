@@ -70,7 +70,7 @@ std::vector<Eigen::Vector4f> colours_of(const Primitives& primitives) {
     for_each_kind(primitives, [&](const auto& some) {
         for (const auto& one : some) add(one.colour);
     });
-    for (const TriangleMesh& mesh : primitives.meshes) add(mesh.colour);
+    for_each_mesh(primitives, [&](const auto& mesh) { add(mesh.colour); });
     if (!have_half_colours(primitives)) return colours;
     for (const Cylinder& stick : primitives.cylinders) add(stick.colour_b.value_or(stick.colour));
     for (const Cone& cone : primitives.cones) add(cone.colour);
@@ -100,7 +100,7 @@ PrimitivesOnGpu::PrimitivesOnGpu(const Primitives& primitives)
     colours = {std::as_bytes(std::span(all_colours)), gl::Format::Rgba32f, "colours of primitives"};
     if (have_half_colours(primitives)) // those of halves follow all others, from the first stick on
         to_half_colours =
-            static_cast<int>(primitives.solid_count() + primitives.meshes.size() -
+            static_cast<int>(primitives.solid_count() + primitives.mesh_count() -
                              primitives.spheres.size() - primitives.ellipsoids.size());
     if (const auto normals = normals_of(primitives); !normals.empty())
         triangle_normals = {std::as_bytes(std::span(normals)), gl::Format::Rgba32f,

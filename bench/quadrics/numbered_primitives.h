@@ -26,7 +26,7 @@ inline void number_by_colour(Primitives& primitives) {
         for (auto& one : some) one.colour = colour_of_number(number++);
     });
     for (Cylinder& stick : primitives.cylinders) stick.colour_b.reset();
-    for (TriangleMesh& mesh : primitives.meshes) mesh.colour = colour_of_number(number++);
+    for_each_mesh(primitives, [&](auto& mesh) { mesh.colour = colour_of_number(number++); });
 }
 
 /// At z = 0, for a camera at (0, 0, 5) whose picture is 4 : 3.

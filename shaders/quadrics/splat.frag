@@ -4,6 +4,10 @@
 #include "quadrics/splat.glsl"
 #if KIND == 4
 #include "quadrics/superquadric.glsl"
+#elif KIND == 6
+#include "quadrics/patch.glsl"
+#elif KIND == 7
+#include "quadrics/tetrahedron.glsl"
 #endif
 #if BY_EQUATION_7
 #include "quadrics/equation_7.glsl"
@@ -58,6 +62,15 @@ void main() {
 #elif KIND == 5
     QuadricHit hit = triangle_hit(vec4[3](v_splat[0], v_splat[1], v_splat[2]), v_splat[3], ray_at());
     if (hit.t < kept.t_near) hit.t = nowhere;
+    const float depth_inside = 0.0;
+    float number = v_splat[2].w;
+#elif KIND == 6
+    BilinearPatch body = patch_of(v_splat[0], v_splat[1], v_splat[2], v_splat[3], start);
+    QuadricHit hit = patch_hit(body, slope, kept.t_near);
+    const float depth_inside = 0.0;
+    float number = v_splat[2].w;
+#elif KIND == 7
+    QuadricHit hit = tetrahedron_hit(v_splat, ray_at(), kept.t_near);
     const float depth_inside = 0.0;
     float number = v_splat[2].w;
 #else

@@ -101,4 +101,4 @@ Quadric general_of(vec4 centre, vec4 row0, vec4 row1, vec4 row2, vec4 a, vec4 b,
     return quadric;
 }
 // Triangles: corner, side | side, number of the mesh, number | edge, least depth | edge, greatest depth |
-// edge, 0 | unit normal, offset. Hits of triangle.glsl.
+// edge, 0 | unit normal, offset. Hits of triangle.glsl. Patches: patch.glsl. Tetrahedra: tetrahedron.glsl.

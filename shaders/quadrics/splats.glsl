@@ -2,15 +2,21 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "quadrics/splat.glsl"
 //
-// HAS_0 ... HAS_5: whether there are splats of each kind (quadrics/splats.h: SplatKind).
+// HAS_0 ... HAS_7: whether there are splats of each kind (quadrics/splats.h: SplatKind).
 // HAS_NORMALS: whether triangles have normals at corners.
 #if HAS_4
 #include "quadrics/superquadric.glsl"
 #endif
+#if HAS_6
+#include "quadrics/patch.glsl"
+#endif
+#if HAS_7
+#include "quadrics/tetrahedron.glsl"
+#endif
 
 layout(binding = 5) uniform sampler2D t_splat; // number + 1; 0: none
-layout(binding = 6) uniform samplerBuffer t_splats[6]; // by kind
-uniform ivec2 u_slots[6]; // by kind: the first, how many
+layout(binding = 6) uniform samplerBuffer t_splats[8]; // by kind
+uniform ivec2 u_slots[8]; // by kind: the first, how many
 #if HAS_NORMALS
 #include "quadrics/triangle_normals.glsl"
 #endif
@@ -154,6 +160,36 @@ Seen seen_splat(int slot) {
         hit.normal = normal_of_corners(hit, int(numbers.y), transpose(u_world_from_view), vec3(slope, -1.0));
 #endif
         seen = Seen(hit, int(numbers.x), nowhere, mat3(0.0)); // flat, and no thin thing
+    }
+#endif
+#if HAS_6
+    for (bool is_here = is_of(slot, 6); is_here; is_here = seen.colour < -1) {
+        int at = 6 * (slot - u_slots[6].x);
+        BilinearPatch body = patch_of(texelFetch(t_splats[6], at + 2), texelFetch(t_splats[6], at + 3),
+                                      texelFetch(t_splats[6], at + 4), texelFetch(t_splats[6], at + 5), start);
+        QuadricHit hit = patch_hit(body, slope, kept.t_near);
+        hit = cut_hit(hit, kept, slope, 0.0);
+#if HAS_HESSIAN
+        mat3 hessian = hit.is_cap ? mat3(0.0) : patch_hessian(body, hit);
+#else
+        mat3 hessian = mat3(0.0);
+#endif
+        seen = Seen(hit, int(texelFetch(t_splats[6], at + 1).z), nowhere, hessian);
+    }
+#endif
+#if HAS_7
+    for (bool is_here = is_of(slot, 7); is_here; is_here = seen.colour < -1) {
+        int at = 13 * (slot - u_slots[7].x);
+        vec4 body[11];
+        for (int i = 0; i < 11; ++i) body[i] = texelFetch(t_splats[7], at + 2 + i);
+        QuadricHit hit = tetrahedron_hit(body, ray_at(), kept.t_near);
+        hit = cut_hit(hit, kept, slope, 0.0);
+#if HAS_HESSIAN
+        mat3 hessian = hit.is_cap ? mat3(0.0) : tetrahedron_hessian(body, hit);
+#else
+        mat3 hessian = mat3(0.0);
+#endif
+        seen = Seen(hit, int(texelFetch(t_splats[7], at + 1).z), nowhere, hessian);
     }
 #endif
     return seen;

@@ -3,9 +3,15 @@
 // twin  quadrics/primitive_tree.h
 #include "quadrics/splat.glsl"
 //
-// HAS_0 ... HAS_5: whether there are primitives of each kind (quadrics/splats.h: SplatKind).
+// HAS_0 ... HAS_7: whether there are primitives of each kind (quadrics/splats.h: SplatKind).
 #if HAS_4
 #include "quadrics/superquadric.glsl"
+#endif
+#if HAS_6
+#include "quadrics/patch.glsl"
+#endif
+#if HAS_7
+#include "quadrics/tetrahedron.glsl"
 #endif
 
 layout(binding = 6) uniform isamplerBuffer t_tree;  // two for each node
@@ -147,6 +153,20 @@ bool meets_any(vec3 start, vec3 v, float t_end) {
                                       texelFetch(t_bodies, leaf + 2).xyz);
             float t = triangle_distance(corners, texelFetch(t_bodies, leaf + 3), start, v);
             is_met = t >= kept.t_near && t <= range.y;
+        }
+#endif
+#if HAS_6
+        for (int left = kind == 6 ? count : 0; left > 0 && !is_met; --left, leaf += 4) {
+            BilinearPatch body = patch_of(texelFetch(t_bodies, leaf), texelFetch(t_bodies, leaf + 1),
+                                          texelFetch(t_bodies, leaf + 2), texelFetch(t_bodies, leaf + 3), start);
+            is_met = patch_distance(body, v, kept.t_near) <= range.y;
+        }
+#endif
+#if HAS_7
+        for (int left = kind == 7 ? count : 0; left > 0 && !is_met; --left, leaf += 11) {
+            vec4 body[6];
+            for (int i = 0; i < 6; ++i) body[i] = texelFetch(t_bodies, leaf + i);
+            is_met = tetrahedron_distance(body, start, v, kept.t_near) <= range.y;
         }
 #endif
     }

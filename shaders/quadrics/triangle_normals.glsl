@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "quadrics/triangle.glsl"
 
-layout(binding = 12) uniform samplerBuffer t_normals; // of corners, world axes
+layout(binding = 14) uniform samplerBuffer t_normals; // of corners, world axes
 
 vec3 normal_of_corners(QuadricHit hit, int triangle, mat3 view_from_world, vec3 direction) {
     int corner = 3 * triangle;

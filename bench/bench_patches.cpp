@@ -1,0 +1,204 @@
+// Bilinear patches and quadrics in tetrahedra: frames, patches and tetrahedra a second; and an
+// isosurface as such quadrics against the ray caster's.
+// SPDX-License-Identifier: MPL-2.0
+#include "quadrics/quadratic_spline.h"
+#include "quadrics/quadrics_bench.h"
+#include "volume/analytic_fields.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace {
+
+using namespace isocast;
+
+double median(std::vector<double> values) {
+    std::ranges::nth_element(values, values.begin() + std::ssize(values) / 2);
+    return values[values.size() / 2];
+}
+
+Camera framed(Renderer& renderer, int w, int h) {
+    return frame_box(renderer.surface_points_world(), {0.3, 0.4, 1}, double(w) / h, 30);
+}
+
+/// The median of frames, seen from places a little apart.
+double seconds_of(Renderer& renderer, int w, int h, int repeats) {
+    Camera camera = framed(renderer, w, h);
+    std::vector<double> seconds;
+    for (int frame = 0; frame <= repeats; ++frame) {
+        camera.eye_world.x() *= 1 + 1e-4;
+        const TimedFrame drawn = draw(renderer, camera, w, h);
+        if (frame > 0) seconds.push_back(drawn.seconds); // the first one warms up
+    }
+    return median(seconds);
+}
+
+void load(Renderer& renderer, Primitives primitives) {
+    renderer.load({.primitives = std::make_shared<Primitives>(std::move(primitives))});
+}
+
+/// A torus of about as many quads, twisted ones.
+PatchMesh torus_of(int quads) {
+    const int n = static_cast<int>(std::lround(std::sqrt(quads)));
+    PatchMesh mesh;
+    for (int j = 0; j < n; ++j)
+        for (int i = 0; i < n; ++i) {
+            const double a = 2 * std::acos(-1.0) * (i + 0.5 * j) / n; // askew
+            const double b = 2 * std::acos(-1.0) * j / n;
+            mesh.vertices_world.emplace_back((1 + 0.4 * std::cos(b)) * std::cos(a),
+                                             (1 + 0.4 * std::cos(b)) * std::sin(a),
+                                             0.4 * std::sin(b));
+        }
+    for (int j = 0; j < n; ++j)
+        for (int i = 0; i < n; ++i) {
+            // Around once the tube, it is askew by half a turn.
+            const int turn = j + 1 == n ? n / 2 : 0;
+            const auto at = [&](int x, int y) { return (x % n) + n * (y % n); };
+            mesh.quads.push_back(
+                {at(i, j), at(i + 1, j), at(i + 1 + turn, j + 1), at(i + turn, j + 1)});
+        }
+    return mesh;
+}
+
+/// The same in two triangles a quad.
+TriangleMesh halves_of(const PatchMesh& patches) {
+    TriangleMesh mesh{.vertices_world = patches.vertices_world, .triangles = {}};
+    for (const auto& [a, b, c, d] : patches.quads) {
+        mesh.triangles.push_back({a, b, c});
+        mesh.triangles.push_back({a, c, d});
+    }
+    return mesh;
+}
+
+void run_patches(Renderer& renderer, int repeats) {
+    fmt::print("patches: seconds a frame\nkind        count  1280x1024    512x512        2x2  "
+               "1e6 a second at 2x2\n");
+    for (const int quads : {100, 10000, 250000}) {
+        const PatchMesh patches = torus_of(quads);
+        for (const bool as_patches : {true, false}) {
+            Primitives primitives;
+            if (as_patches)
+                primitives.patches = {patches};
+            else
+                primitives.meshes = {halves_of(patches)};
+            const std::size_t count = primitives.count();
+            load(renderer, std::move(primitives));
+            const double tiny = seconds_of(renderer, 2, 2, repeats);
+            fmt::print("{:<9} {:>7} {:>10.4f} {:>10.4f} {:>10.4f} {:>8.3f}\n",
+                       as_patches ? "patches" : "triangles", count,
+                       seconds_of(renderer, 1280, 1024, repeats),
+                       seconds_of(renderer, 512, 512, repeats), tiny, double(count) / tiny / 1e6);
+        }
+    }
+}
+
+/// Of a built-in field, with so many tetrahedra at least.
+TetrahedralMesh spline_of(const char* name, std::size_t count) {
+    for (int n = 24;; n += 4) {
+        TetrahedralMesh mesh = quadratic_spline(*sampled(builtin_field(name), n), 0);
+        if (mesh.tetrahedra.size() >= count) return mesh;
+    }
+}
+
+/// Stoll et al., table 3.
+void run_table_3(Renderer& renderer, int repeats) {
+    fmt::print("table 3: quadrics in tetrahedra, frames a second\nmodel  tetrahedra  1024x1280  "
+               "512x512  1e6 a second at 2x2\n");
+    for (const auto& [name, count] : {std::pair{"sphere", 137232}, {"marschner-lobb", 65844}}) {
+        Primitives primitives{.tetrahedra = {spline_of(name, static_cast<std::size_t>(count))}};
+        const std::size_t tetrahedra = primitives.count();
+        load(renderer, std::move(primitives));
+        const double large = seconds_of(renderer, 1280, 1024, repeats);
+        const double small = seconds_of(renderer, 512, 512, repeats);
+        const double tiny = seconds_of(renderer, 2, 2, repeats);
+        fmt::print("{} {} {:.2f} {:.2f} {:.3f}\n", name, tetrahedra, 1 / large, 1 / small,
+                   double(tetrahedra) / tiny / 1e6);
+    }
+}
+
+struct Drawn {
+    Image hits;
+    double seconds = 0;
+    double mib = 0;
+};
+Drawn drawn(Renderer& renderer, const Camera& camera, int repeats) {
+    Drawn out;
+    std::vector<double> seconds;
+    for (int frame = 0; frame <= repeats; ++frame) {
+        const TimedFrame timed = draw(renderer, camera, 512, 512);
+        if (frame > 0) seconds.push_back(timed.seconds);
+        out.mib = double(timed.report.field_bytes + timed.report.splat_bytes) / (1 << 20);
+    }
+    out.seconds = median(seconds);
+    renderer.draw(camera, 512, 512, {FrameImage::Hit});
+    out.hits = renderer.read(FrameImage::Hit);
+    return out;
+}
+
+/// The spline against the cubic filter, both of the same samples, and the signal itself.
+void run_isosurface(Renderer& renderer, int repeats) {
+    fmt::print("marschner-lobb at 512x512: spline and ray caster\n samples  tetrahedra  made s  "
+               "frame s (spline, rays)  MiB (spline, rays)  hits apart, voxels: median, 99 %  off "
+               "the signal: spline, rays\n");
+    const AnalyticField signal = builtin_field("marschner-lobb");
+    for (const int n : {32, 64, 128}) {
+        const std::shared_ptr<const FieldSource> field = sampled(signal, n);
+        const double voxel = field->space().voxel_size_world();
+        const auto start = std::chrono::steady_clock::now();
+        TetrahedralMesh mesh = quadratic_spline(*field, 0);
+        const double made =
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        const std::size_t count = mesh.tetrahedra.size();
+        renderer.load({.field = field});
+        const Camera camera = frame_box(renderer.surface_points_world(), {0.2, -0.6, 1}, 1, 30);
+        const Drawn rays = drawn(renderer, camera, repeats);
+        load(renderer, {.tetrahedra = {std::move(mesh)}});
+        const Drawn spline = drawn(renderer, camera, repeats);
+        std::vector<double> apart;
+        std::vector<double> off_spline;
+        std::vector<double> off_rays;
+        for (std::size_t i = 0; i < rays.hits.rgba.size(); i += 4) {
+            if (rays.hits.rgba[i + 3] == 0 || spline.hits.rgba[i + 3] == 0) continue;
+            const auto at = [&](const Image& hits) {
+                return Vec3d(Eigen::Map<const Eigen::Vector3f>(&hits.rgba[i]).cast<double>());
+            };
+            const auto off = [&](const Image& hits) {
+                const Jet jet = signal.jet(camera.eye_world + at(hits));
+                return std::abs(jet.value) / jet.gradient.norm() / voxel;
+            };
+            apart.push_back((at(rays.hits) - at(spline.hits)).norm() / voxel);
+            off_spline.push_back(off(spline.hits));
+            off_rays.push_back(off(rays.hits));
+        }
+        std::ranges::sort(apart);
+        fmt::print("{:>8} {:>11} {:>7.2f} {:>9.3f} {:>7.3f} {:>11.1f} {:>7.1f} {:>13.4f} {:>9.4f} "
+                   "{:>13.4f} {:>8.4f}\n",
+                   n, count, made, spline.seconds, rays.seconds, spline.mib, rays.mib,
+                   apart[apart.size() / 2], apart[apart.size() * 99 / 100], median(off_spline),
+                   median(off_rays));
+    }
+}
+
+} // namespace
+
+int main(int argc, char** argv) try {
+    CLI::App app("What patches and quadrics in tetrahedra cost");
+    int repeats = 3;
+    std::string only;
+    app.add_option("--repeats", repeats);
+    app.add_option("--only", only, "patches, table-3 or isosurface");
+    CLI11_PARSE(app, argc, argv);
+    const auto context = gl::make_context({.backend = gl::Backend::Osmesa});
+    Renderer renderer(*context, std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders");
+    if (only.empty() || only == "patches") run_patches(renderer, repeats);
+    if (only.empty() || only == "table-3") run_table_3(renderer, repeats);
+    if (only.empty() || only == "isosurface") run_isosurface(renderer, repeats);
+    return 0;
+} catch (const std::exception& error) {
+    fmt::print(stderr, "bench_patches: {}\n", error.what());
+    return 1;
+}

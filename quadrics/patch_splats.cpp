@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: MPL-2.0
+#include "quadrics/patch_splats.h"
+
+#include "quadrics/hull_cover.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace isocast {
+
+namespace {
+
+/// Where the segment p + s k, s from 0 to 1, is nearest to the origin.
+double nearest_on(const Vec3d& p, const Vec3d& k) {
+    const double length2 = k.squaredNorm();
+    return length2 > 0 ? std::clamp(-p.dot(k) / length2, 0.0, 1.0) : 0.5;
+}
+
+void put_patch(const PatchFrame& frame, double number, Record& record) {
+    record.put(frame.c, frame.base_u);
+    record.put(frame.h, frame.base_v);
+    record.put(frame.e, number);
+    record.put(frame.d, 0);
+}
+
+/// Coefficients below 2, whose products keep within floats: by a power of 2, so that signs stay the
+/// same on both sides of a face.
+Eigen::Matrix4d scaled(const Eigen::Matrix4d& coefficients) {
+    const double greatest = coefficients.cwiseAbs().maxCoeff();
+    return greatest > 0 ? coefficients * std::exp2(-std::ilogb(greatest)) : coefficients;
+}
+
+std::array<Vec3d, 4> in_view(const Tetrahedron& tetrahedron, const PictureSpace& space) {
+    std::array<Vec3d, 4> out;
+    for (std::size_t k = 0; k < 4; ++k)
+        out[k] = space.view_from_world * (tetrahedron.corners_world[k] - space.eye_world);
+    return out;
+}
+
+} // namespace
+
+PatchFrame frame_of(const Patch& patch, const PictureSpace& space) {
+    Patch seen = patch;
+    for (Vec3d& corner : seen.corners_world)
+        corner = space.view_from_world * (corner - space.eye_world);
+    Patch flat = seen;
+    if (!space.is_perspective)
+        for (Vec3d& corner : flat.corners_world) corner.z() = 0;
+    PatchFrame frame{.base_u = 0.5, .base_v = 0.5};
+    for (int round = 0; round < 4; ++round) { // about the nearest will do
+        frame.base_v = nearest_on(flat.point(frame.base_u, 0), flat.along_v(frame.base_u));
+        frame.base_u = nearest_on(flat.point(0, frame.base_v), flat.along_u(frame.base_v));
+    }
+    // As floats have it, so that edges lie where they belong.
+    frame.base_u = static_cast<double>(static_cast<float>(frame.base_u));
+    frame.base_v = static_cast<double>(static_cast<float>(frame.base_v));
+    frame.c = seen.point(frame.base_u, frame.base_v);
+    frame.h = seen.along_u(frame.base_v);
+    frame.e = seen.along_v(frame.base_u);
+    frame.d = seen.along_v(1) - seen.along_v(0);
+    return frame;
+}
+
+void append_splats(const PatchMesh& mesh, std::size_t number, const SplatView& view,
+                   Splats& splats) {
+    append_in_order(SplatKind::Patch, mesh.quads.size(), splats,
+                    [&](std::size_t i, float* to) -> std::optional<PixelBox> {
+                        const Patch patch = patch_of(mesh, i);
+                        if (is_without_area(patch) || is_cut_away(patch, view.planes))
+                            return std::nullopt;
+                        const auto box = cover_of(patch.corners_world, view);
+                        if (!box) return std::nullopt;
+                        Record record(to);
+                        record.put(*box, static_cast<double>(number));
+                        put_patch(frame_of(patch, view.space), 0, record);
+                        return box;
+                    });
+}
+
+void append_splats(const TetrahedralMesh& mesh, std::size_t number, const SplatView& view,
+                   Splats& splats) {
+    append_in_order(SplatKind::Tetrahedron, mesh.tetrahedra.size(), splats,
+                    [&](std::size_t i, float* to) -> std::optional<PixelBox> {
+                        const Tetrahedron tetrahedron = tetrahedron_of(mesh, i);
+                        if (is_without_volume(tetrahedron) || is_cut_away(tetrahedron, view.planes))
+                            return std::nullopt;
+                        const auto box = cover_of(tetrahedron.corners_world, view);
+                        if (!box) return std::nullopt;
+                        const std::array<Vec3d, 4> corners = in_view(tetrahedron, view.space);
+                        std::array<Vec3d, 4> seen = corners;
+                        if (!view.space.is_perspective)
+                            for (Vec3d& corner : seen) corner.z() = -1;
+                        const auto edge = [&](std::size_t k, std::size_t l) {
+                            // By their difference: far away corners alone are nearly parallel.
+                            return Vec3d(seen[k].cross(seen[l] - seen[k]));
+                        };
+                        const Eigen::Matrix4d c = scaled(tetrahedron.coefficients);
+                        const Eigen::Matrix<double, 3, 4> gradients =
+                            view.space.view_from_world * tetrahedron.barycentric_gradients();
+                        Record record(to);
+                        record.put(*box, static_cast<double>(number));
+                        record.put(edge(0, 1), -corners[0].z());
+                        record.put(edge(0, 2), -corners[1].z());
+                        record.put(edge(0, 3), 0);
+                        record.put(edge(1, 2), -corners[2].z());
+                        record.put(edge(1, 3), -corners[3].z());
+                        record.put(edge(2, 3), c(0, 0));
+                        record.put({c(0, 1), c(0, 2), c(0, 3), c(1, 1)});
+                        record.put({c(1, 2), c(1, 3), c(2, 2), c(2, 3)});
+                        record.put(gradients.col(1), c(3, 3));
+                        record.put(gradients.col(2), 0);
+                        record.put(gradients.col(3), 0);
+                        return box;
+                    });
+}
+
+void put_body(const Patch& patch, const PictureSpace& space, float* to) {
+    Record record(to);
+    put_patch(frame_of(patch, space), 0, record);
+}
+
+void put_body(const Tetrahedron& tetrahedron, const PictureSpace& space, float* to) {
+    const std::array<Vec3d, 4> corners = in_view(tetrahedron, space);
+    const Eigen::Matrix4d c = scaled(tetrahedron.coefficients);
+    Record record(to);
+    record.put(corners[0], c(0, 0));
+    record.put(corners[1], c(1, 1));
+    record.put(corners[2], c(2, 2));
+    record.put(corners[3], c(3, 3));
+    record.put({c(0, 1), c(0, 2), c(0, 3), c(1, 2)});
+    record.put({c(1, 3), c(2, 3), 0, 0});
+}
+
+} // namespace isocast

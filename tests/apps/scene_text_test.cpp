@@ -63,7 +63,8 @@ struct SceneText : testing::Test {
     TemporaryFolder folder;
 
     SceneText() {
-        for (const char* name : {"a.vdb", "a.obj", "a.xyz", "a.csv"}) write_text(folder / name, "");
+        for (const char* name : {"a.vdb", "a.obj", "a.xyz", "a.csv", "a.vtk"})
+            write_text(folder / name, "");
         write_png({2, 1, {1, 1, 1, 1, 0, 0, 0, 1}}, folder / "map.png");
     }
     std::string text(const SceneFile& scene) const { return scene_text(scene, folder.path()); }
@@ -80,6 +81,7 @@ struct SceneText : testing::Test {
             {"object.mesh", "a.obj"},
             {"object.molecule", "a.xyz"},
             {"object.points", "a.csv"},
+            {"object.tetrahedra", "a.vtk"},
             {"object.series", "field_##.vdb"},
             {"effects.solid_texture.volume", "field:torus@8"},
             {"effects.curvature_map.picture", "map.png"},

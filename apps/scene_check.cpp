@@ -70,8 +70,8 @@ void check_object(const SceneFile& scene, std::size_t i, Problems& problems) {
     if (!object.morph.empty() && object.morph.size() != 2)
         problems.add(key_of(i, "morph"), "two objects are needed");
     using As = SceneObject::As;
-    const bool is_as_it_is = object.as == As::Triangles || object.as == As::Patches;
-    if (is_as_it_is && object.mesh.empty())
+    const bool keeps_faces = object.as == As::Triangles || object.as == As::Patches;
+    if (keeps_faces && object.mesh.empty())
         problems.add(key_of(i, "as"), "only meshes have triangles and patches");
     if (object.as == As::Spline &&
         (object.csg || !object.points.empty() || object.glyphs || !object.tetrahedra.empty() ||
@@ -79,7 +79,7 @@ void check_object(const SceneFile& scene, std::size_t i, Problems& problems) {
         problems.add(key_of(i, "as"), "splines are made of fields");
     if (object.crease_degrees && object.as != As::Triangles)
         problems.add(key_of(i, "crease"), "for meshes that are drawn as triangles");
-    if (object.resolution && (object.mesh.empty() || is_as_it_is))
+    if (object.resolution && (object.mesh.empty() || keeps_faces))
         problems.add(key_of(i, "resolution"), "only meshes that become fields are converted");
     if (object.surface && object.molecule.empty())
         problems.add(key_of(i, "surface"), "only molecules have such surfaces");

@@ -28,6 +28,11 @@ auto path_of(std::string SceneObject::*member) {
     };
 }
 
+std::string existing(std::string path) {
+    if (!std::filesystem::exists(path)) throw InputError(fmt::format("{}: no such file", path));
+    return path;
+}
+
 /// Something that exists; it is read when it is drawn.
 ///
 /// what  as Input::what() says
@@ -249,9 +254,7 @@ SceneTable object_table() {
                  if (!is_point_file(path))
                      throw UsageError(fmt::format("'{}' is no file of points ({})", path,
                                                   point_file_extensions()));
-                 if (!std::filesystem::exists(path))
-                     throw InputError(fmt::format("{}: no such file", path));
-                 file.objects[i].points = path;
+                 file.objects[i].points = existing(path);
              },
              path_of(&SceneObject::points)),
          special(
@@ -259,10 +262,7 @@ SceneTable object_table() {
              "A quadratic function in each tetrahedron of a mesh, from .vtk (legacy, ASCII); its "
              "surface where it is `iso`",
              [](SceneFile& file, std::size_t i, const SceneValue& value, const Path& folder) {
-                 const std::string path = resolved(text_of(value), folder);
-                 if (!std::filesystem::exists(path))
-                     throw InputError(fmt::format("{}: no such file", path));
-                 file.objects[i].tetrahedra = path;
+                 file.objects[i].tetrahedra = existing(resolved(text_of(value), folder));
              },
              path_of(&SceneObject::tetrahedra)),
          number("radius", point_look(&PointLook::radius_world), positive,

@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <type_traits>
 
 namespace isocast {
 
@@ -179,21 +180,19 @@ void SceneObjects::open(const SceneFile& scene) {
                      : std::make_shared<Molecule>(read_molecule(object.molecule, object.atoms)));
     }
     molecules_ = std::move(molecules);
-    std::map<std::string, PointData> points;
-    for (const SceneObject& object : scene.objects) {
-        if (object.points.empty() || points.contains(object.points)) continue;
-        auto kept = points_.extract(object.points);
-        points.emplace(object.points, kept ? std::move(kept.mapped()) : read_points(object.points));
-    }
-    points_ = std::move(points);
-    std::map<std::string, TetrahedralField> tetrahedra;
-    for (const SceneObject& object : scene.objects) {
-        if (object.tetrahedra.empty() || tetrahedra.contains(object.tetrahedra)) continue;
-        auto kept = tetrahedra_.extract(object.tetrahedra);
-        tetrahedra.emplace(object.tetrahedra,
-                           kept ? std::move(kept.mapped()) : read_tetrahedra(object.tetrahedra));
-    }
-    tetrahedra_ = std::move(tetrahedra);
+    const auto read_once = [&](std::string SceneObject::*path_of, auto& held, auto read) {
+        std::remove_reference_t<decltype(held)> wanted;
+        for (const SceneObject& object : scene.objects) {
+            const std::string& path = object.*path_of;
+            if (path.empty() || wanted.contains(path)) continue;
+            auto kept = held.extract(path);
+            wanted.emplace(path, kept ? std::move(kept.mapped()) : read(path));
+        }
+        held = std::move(wanted);
+    };
+    read_once(&SceneObject::points, points_, [](const auto& path) { return read_points(path); });
+    read_once(&SceneObject::tetrahedra, tetrahedra_,
+              [](const auto& path) { return read_tetrahedra(path); });
 }
 
 std::shared_ptr<const Molecule> SceneObjects::molecule_of(const SceneObject& object) const {

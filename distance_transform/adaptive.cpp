@@ -216,17 +216,16 @@ private:
     /// something else than when leaves were judged last.
     std::vector<Leaf> take_suspects() {
         std::vector<Leaf> suspects;
+        std::vector<bool> is_suspect(tree_.cell_number_end());
         const auto add = [&](const Leaf& leaf) {
-            bool& is_suspect = margins_[leaf.number].is_suspect;
-            if (!is_suspect) suspects.push_back(leaf);
-            is_suspect = true;
+            if (!is_suspect[leaf.number]) suspects.push_back(leaf);
+            is_suspect[leaf.number] = true;
         };
         std::ranges::for_each(std::exchange(new_cells_, {}), add);
         std::ranges::for_each(std::exchange(spoiled_, {}), add);
         for (const Index3& position : std::exchange(changed_, {}))
             if (was_judged_) for_each_leaf_around(position, add);
         was_judged_ = true;
-        for (const Leaf& leaf : suspects) margins_[leaf.number].is_suspect = false;
         std::ranges::sort(suspects, {}, &Leaf::number);
         return suspects;
     }

@@ -27,7 +27,6 @@ DistanceBounds distance_bounds(const Cube& cube, const std::array<NodeData, 8>& 
 /// By how much a leaf keeps what it must.
 struct Margin {
     bool is_known = false;     // others, of finest leaves, are found once a corner has moved
-    bool is_suspect = false;   // seen while suspects are gathered
     float slack = 0;           // what its corners may move by
     float error_at_centre = 0; // of the interpolant less the distance
 };

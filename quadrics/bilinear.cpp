@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "quadrics/bilinear.h"
 
-#include "volume/errors.h"
+#include "quadrics/indexed_mesh.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <cmath>
 
 namespace isocast {
@@ -26,20 +23,9 @@ Vec3d Patch::along_v(double u) const {
 }
 
 void check(std::span<const PatchMesh> meshes) {
-    for (std::size_t m = 0; m < meshes.size(); ++m) {
-        const PatchMesh& mesh = meshes[m];
-        const auto vertex = std::ranges::find_if_not(mesh.vertices_world,
-                                                     [](const Vec3d& v) { return v.allFinite(); });
-        if (vertex != mesh.vertices_world.end())
-            throw InputError(fmt::format("patches {}: vertex {} is not finite", m,
-                                         vertex - mesh.vertices_world.begin()));
-        const auto vertex_count = static_cast<int>(mesh.vertices_world.size());
-        for (std::size_t i = 0; i < mesh.quads.size(); ++i)
-            for (const int corner : mesh.quads[i])
-                if (corner < 0 || corner >= vertex_count)
-                    throw InputError(
-                        fmt::format("patches {}: quad {}: there is no vertex {}", m, i, corner));
-    }
+    for (std::size_t m = 0; m < meshes.size(); ++m)
+        check_elements(fmt::format("patches {}", m), "quad ", meshes[m].vertices_world,
+                       meshes[m].quads);
 }
 
 bool is_without_area(const Patch& patch) {

@@ -63,55 +63,43 @@ PatchFrame frame_of(const Patch& patch, const PictureSpace& space) {
 
 void append_splats(const PatchMesh& mesh, std::size_t number, const SplatView& view,
                    Splats& splats) {
-    append_in_order(SplatKind::Patch, mesh.quads.size(), splats,
-                    [&](std::size_t i, float* to) -> std::optional<PixelBox> {
-                        const Patch patch = patch_of(mesh, i);
-                        if (is_without_area(patch) || is_cut_away(patch, view.planes))
-                            return std::nullopt;
-                        const auto box = cover_of(patch.corners_world, view);
-                        if (!box) return std::nullopt;
-                        Record record(to);
-                        record.put(*box, static_cast<double>(number));
-                        put_patch(frame_of(patch, view.space), 0, record);
-                        return box;
-                    });
+    append_hulls(
+        SplatKind::Patch, mesh.quads.size(), number, view, splats,
+        [&](std::size_t i) { return patch_of(mesh, i); }, is_without_area,
+        [&](const Patch& patch, Record& record) {
+            put_patch(frame_of(patch, view.space), 0, record);
+        });
 }
 
 void append_splats(const TetrahedralMesh& mesh, std::size_t number, const SplatView& view,
                    Splats& splats) {
-    append_in_order(SplatKind::Tetrahedron, mesh.tetrahedra.size(), splats,
-                    [&](std::size_t i, float* to) -> std::optional<PixelBox> {
-                        const Tetrahedron tetrahedron = tetrahedron_of(mesh, i);
-                        if (is_without_volume(tetrahedron) || is_cut_away(tetrahedron, view.planes))
-                            return std::nullopt;
-                        const auto box = cover_of(tetrahedron.corners_world, view);
-                        if (!box) return std::nullopt;
-                        const std::array<Vec3d, 4> corners = in_view(tetrahedron, view.space);
-                        std::array<Vec3d, 4> seen = corners;
-                        if (!view.space.is_perspective)
-                            for (Vec3d& corner : seen) corner.z() = -1;
-                        const auto edge = [&](std::size_t k, std::size_t l) {
-                            // By their difference: far away corners alone are nearly parallel.
-                            return Vec3d(seen[k].cross(seen[l] - seen[k]));
-                        };
-                        const Eigen::Matrix4d c = scaled(tetrahedron.coefficients);
-                        const Eigen::Matrix<double, 3, 4> gradients =
-                            view.space.view_from_world * tetrahedron.barycentric_gradients();
-                        Record record(to);
-                        record.put(*box, static_cast<double>(number));
-                        record.put(edge(0, 1), -corners[0].z());
-                        record.put(edge(0, 2), -corners[1].z());
-                        record.put(edge(0, 3), 0);
-                        record.put(edge(1, 2), -corners[2].z());
-                        record.put(edge(1, 3), -corners[3].z());
-                        record.put(edge(2, 3), c(0, 0));
-                        record.put({c(0, 1), c(0, 2), c(0, 3), c(1, 1)});
-                        record.put({c(1, 2), c(1, 3), c(2, 2), c(2, 3)});
-                        record.put(gradients.col(1), c(3, 3));
-                        record.put(gradients.col(2), 0);
-                        record.put(gradients.col(3), 0);
-                        return box;
-                    });
+    append_hulls(
+        SplatKind::Tetrahedron, mesh.tetrahedra.size(), number, view, splats,
+        [&](std::size_t i) { return tetrahedron_of(mesh, i); }, is_without_volume,
+        [&](const Tetrahedron& tetrahedron, Record& record) {
+            const std::array<Vec3d, 4> corners = in_view(tetrahedron, view.space);
+            std::array<Vec3d, 4> seen = corners;
+            if (!view.space.is_perspective)
+                for (Vec3d& corner : seen) corner.z() = -1;
+            const auto edge = [&](std::size_t k, std::size_t l) {
+                // By their difference: far away corners alone are nearly parallel.
+                return Vec3d(seen[k].cross(seen[l] - seen[k]));
+            };
+            const Eigen::Matrix4d c = scaled(tetrahedron.coefficients);
+            const Eigen::Matrix<double, 3, 4> gradients =
+                view.space.view_from_world * tetrahedron.barycentric_gradients();
+            record.put(edge(0, 1), -corners[0].z());
+            record.put(edge(0, 2), -corners[1].z());
+            record.put(edge(0, 3), 0);
+            record.put(edge(1, 2), -corners[2].z());
+            record.put(edge(1, 3), -corners[3].z());
+            record.put(edge(2, 3), c(0, 0));
+            record.put({c(0, 1), c(0, 2), c(0, 3), c(1, 1)});
+            record.put({c(1, 2), c(1, 3), c(2, 2), c(2, 3)});
+            record.put(gradients.col(1), c(3, 3));
+            record.put(gradients.col(2), 0);
+            record.put(gradients.col(3), 0);
+        });
 }
 
 void put_body(const Patch& patch, const PictureSpace& space, float* to) {

@@ -106,23 +106,21 @@ struct Primitives {
 
     std::size_t solid_count() const; // of all but meshes and dots
     std::size_t mesh_count() const { return meshes.size() + patches.size() + tetrahedra.size(); }
-    std::size_t triangle_count() const {
-        std::size_t sum = 0;
-        for (const TriangleMesh& mesh : meshes) sum += mesh.triangles.size();
-        return sum;
-    }
-    std::size_t patch_count() const {
-        std::size_t sum = 0;
-        for (const PatchMesh& mesh : patches) sum += mesh.quads.size();
-        return sum;
-    }
+    std::size_t triangle_count() const { return sum_of(meshes, &TriangleMesh::triangles); }
+    std::size_t patch_count() const { return sum_of(patches, &PatchMesh::quads); }
     std::size_t tetrahedron_count() const {
-        std::size_t sum = 0;
-        for (const TetrahedralMesh& mesh : tetrahedra) sum += mesh.tetrahedra.size();
-        return sum;
+        return sum_of(tetrahedra, &TetrahedralMesh::tetrahedra);
     }
     std::size_t count() const {
         return solid_count() + triangle_count() + patch_count() + tetrahedron_count() + dots.size();
+    }
+
+private:
+    template<class Mesh, class Elements>
+    static std::size_t sum_of(const std::vector<Mesh>& some, Elements Mesh::*elements) {
+        std::size_t sum = 0;
+        for (const Mesh& mesh : some) sum += (mesh.*elements).size();
+        return sum;
     }
 };
 

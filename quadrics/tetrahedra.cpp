@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "quadrics/tetrahedra.h"
 
-#include "volume/errors.h"
-
-#include <fmt/format.h>
+#include "quadrics/indexed_mesh.h"
 
 #include <algorithm>
 #include <cmath>
@@ -72,21 +70,12 @@ void append(TetrahedralMesh& mesh, const std::array<int, 4>& corners,
 void check(std::span<const TetrahedralMesh> meshes) {
     for (std::size_t m = 0; m < meshes.size(); ++m) {
         const TetrahedralMesh& mesh = meshes[m];
-        const auto vertex = std::ranges::find_if_not(mesh.vertices_world,
-                                                     [](const Vec3d& v) { return v.allFinite(); });
-        if (vertex != mesh.vertices_world.end())
-            throw InputError(fmt::format("tetrahedra {}: vertex {} is not finite", m,
-                                         vertex - mesh.vertices_world.begin()));
+        check_elements(fmt::format("tetrahedra {}", m), "", mesh.vertices_world, mesh.tetrahedra);
         if (mesh.coefficients.size() != mesh.tetrahedra.size())
             throw InputError(fmt::format("tetrahedra {}: {} functions for {} tetrahedra", m,
                                          mesh.coefficients.size(), mesh.tetrahedra.size()));
-        const auto vertex_count = static_cast<int>(mesh.vertices_world.size());
         for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i) {
             const auto& corners = mesh.tetrahedra[i];
-            for (const int corner : corners)
-                if (corner < 0 || corner >= vertex_count)
-                    throw InputError(
-                        fmt::format("tetrahedra {}: {}: there is no vertex {}", m, i, corner));
             if (!std::ranges::is_sorted(corners) ||
                 std::ranges::adjacent_find(corners) != corners.end())
                 throw InputError(fmt::format("tetrahedra {}: {}: its corners do not rise", m, i));

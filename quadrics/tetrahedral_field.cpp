@@ -165,6 +165,7 @@ TetrahedralField read_tetrahedra(const std::filesystem::path& path) {
             if (!is_quadratic) continue;
             const std::size_t m = middle_of_edge[e];
             const double off = (point(m) - (point(k) + point(l)) / 2).norm();
+            // 1e-6: what text of seven digits leaves.
             if (off > 1e-6 * (point(l) - point(k)).norm())
                 words.fail(fmt::format("cell {}: point {} is not the middle of an edge: curved "
                                        "tetrahedra are no quadrics",

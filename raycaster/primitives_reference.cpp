@@ -106,7 +106,7 @@ RayHit hit_of(const Triangle& triangle, const Ray& ray, double t_near) {
     return {t, normal.stableNormalized(), volumes};
 }
 
-Window window_of(std::span<const Vec3d> corners_world, const Picture& picture) {
+Window window_around(std::span<const Vec3d> corners_world, const Picture& picture) {
     Eigen::AlignedBox2d box;
     for (const Vec3d& corner : corners_world) {
         const Vec3d at = picture.space.view_from_world * (corner - picture.camera.eye_world);
@@ -116,26 +116,29 @@ Window window_of(std::span<const Vec3d> corners_world, const Picture& picture) {
     return picture.window(box.min().x(), box.max().x(), box.min().y(), box.max().y());
 }
 
-RayHit hit_of(const Patch& patch, const Ray& ray, double t_near) {
-    if (is_without_area(patch)) return {};
-    const auto hit = intersect(patch, ray.origin_world, ray.direction_world, t_near);
+/// Of meshes, and without an inside.
+template<class Primitive>
+concept Element = requires(const Primitive& one) {
+    one.corners_world;
+};
+
+bool is_flat(const Patch& patch) {
+    return is_without_area(patch);
+}
+bool is_flat(const Tetrahedron& tetrahedron) {
+    return is_without_volume(tetrahedron);
+}
+
+template<Element One>
+RayHit hit_of(const One& one, const Ray& ray, double t_near) {
+    if (is_flat(one)) return {};
+    const auto hit = intersect(one, ray.origin_world, ray.direction_world, t_near);
     return hit ? RayHit{hit->t, hit->normal, Vec3d::Zero()} : RayHit{};
 }
 
-RayHit hit_of(const Tetrahedron& tetrahedron, const Ray& ray, double t_near) {
-    if (is_without_volume(tetrahedron)) return {};
-    const auto hit = intersect(tetrahedron, ray.origin_world, ray.direction_world, t_near);
-    return hit ? RayHit{hit->t, hit->normal, Vec3d::Zero()} : RayHit{};
-}
-
-Window window_of(const Patch& patch, const Picture& picture) {
-    return window_of(patch.corners_world, picture);
-}
-Window window_of(const Tetrahedron& tetrahedron, const Picture& picture) {
-    return window_of(tetrahedron.corners_world, picture);
-}
-Window window_of(const Triangle& triangle, const Picture& picture) {
-    return window_of(triangle.corners_world, picture);
+template<Element One>
+Window window_of(const One& one, const Picture& picture) {
+    return window_around(one.corners_world, picture);
 }
 
 template<class Primitive>
@@ -184,10 +187,7 @@ OrderedHit cut_hit_of(const Primitive& primitive, const Ray& ray, const Kept& ke
     if (kept.plane && look == CutLook::Flat && hit.normal.dot(ray.direction_world) > 0)
         hit.normal = kept.plane->normal;
     hit.order = hit.t;
-    constexpr bool is_of_mesh = std::is_same_v<Primitive, Triangle> ||
-                                std::is_same_v<Primitive, Patch> ||
-                                std::is_same_v<Primitive, Tetrahedron>;
-    if constexpr (!is_of_mesh) { // which have no inside
+    if constexpr (!Element<Primitive>) {
         const Vec3d at = ray.origin_world + kept.t_near * ray.direction_world;
         const double depth =
             kept.plane && look == CutLook::Capped ? depth_inside(primitive, at) : 0;

@@ -30,8 +30,8 @@ struct SeenPrimitive {
 /// with_dots   checked primitives
 /// cut         checked; of caps where a ray is in several solids, that of depth_inside()'s least
 /// source      spheres by their closest approach to the ray, triangles by the volumes that it spans
-///             with their edges, others by intersect(), in double: of patches and tetrahedra by other
-///             equations than the shaders'
+///             with their edges, others by intersect(), in double: of patches and tetrahedra by
+///             other equations than the shaders'
 std::vector<SeenPrimitive> cast_primitives(const Primitives& with_dots, const Camera& camera,
                                            int width, int height, const Cut& cut = {},
                                            const std::optional<PicturePart>& part = {});

@@ -135,6 +135,7 @@ float tetrahedron_distance(vec4 body[6], vec3 start, vec3 v, float t_near) {
         for (int l = k + 1; l < 4; ++l) {
             vec3 side = body[l].xyz - body[k].xyz;
             float volume = dot(v, cross(a, side));
+            // 2^-21: eight roundings, of differences, a cross product and a dot product, by the lengths.
             w[edge++] = abs(volume) <= exp2(-21.0) * length(a) * length(side) * length(v) ? 0.0 : volume;
         }
     }

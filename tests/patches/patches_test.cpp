@@ -125,19 +125,7 @@ struct Patches : RendererTest {
         return out;
     }
     int holes_in(const PatchMesh& mesh, double inner_radius, int size) {
-        renderer.load({.primitives = std::make_shared<Primitives>(Primitives{.patches = {mesh}})});
-        renderer.draw(camera, size, size, {FrameImage::Hit});
-        const Image hits = renderer.read(FrameImage::Hit);
-        const std::vector<SeenPrimitive> ball =
-            cast_primitives({.spheres = {{.radius_world = inner_radius}}}, camera, size, size);
-        int holes = 0;
-        int seen = 0;
-        for (std::size_t i = 0; i < ball.size(); ++i) {
-            seen += ball[i].number >= 0;
-            holes += ball[i].number >= 0 && hits.rgba[4 * i + 3] == 0;
-        }
-        EXPECT_GT(seen, 1000);
-        return holes;
+        return holes_before_ball(renderer, {.patches = {mesh}}, inner_radius, camera, size);
     }
 };
 
@@ -326,14 +314,10 @@ TEST_F(Patches, ThatShareAnEdgeLeaveNoCrack) {
         const PatchMesh pair{.vertices_world = {p, q, random.in_cube(1), random.in_cube(1),
                                                 random.in_cube(1), random.in_cube(1)},
                              .quads = {{0, 1, 2, 3}, {1, 0, 4, 5}}};
-        renderer.load({.primitives = std::make_shared<Primitives>(Primitives{.patches = {pair}})});
-        renderer.draw(camera, size, size, {FrameImage::Hit});
-        const Image hits = renderer.read(FrameImage::Hit);
-        const auto seen = cast_primitives(grown({.patches = {pair}}, 1e-9), camera, size, size);
-        for (std::size_t i = 0; i < seen.size(); ++i) {
-            met += seen[i].number >= 0;
-            holes += seen[i].number >= 0 && hits.rgba[4 * i + 3] == 0;
-        }
+        const Primitives scene{.patches = {pair}};
+        const Holes seen = test::holes_in(renderer, scene, grown(scene, 1e-9), camera, size);
+        met += seen.met;
+        holes += seen.holes;
     }
     EXPECT_GT(met, 100000);
     EXPECT_EQ(holes, 0);

@@ -130,14 +130,9 @@ TEST_F(Tetrahedra, ThatShareAFaceLeaveNoCrack) {
         camera.projection = run % 2 == 0 ? Projection::Perspective : Projection::Orthographic;
         const Primitives scene{.tetrahedra = {pair}};
         if (scene.count() == 0) continue;
-        renderer.load({.primitives = std::make_shared<Primitives>(scene)});
-        renderer.draw(camera, size, size, {FrameImage::Hit});
-        const Image hits = renderer.read(FrameImage::Hit);
-        const auto seen = cast_primitives(scene, camera, size, size);
-        for (std::size_t i = 0; i < seen.size(); ++i) {
-            between += seen[i].number >= 0;
-            holes += seen[i].number >= 0 && hits.rgba[4 * i + 3] == 0;
-        }
+        const Holes seen = holes_in(renderer, scene, scene, camera, size);
+        between += seen.met;
+        holes += seen.holes;
     }
     EXPECT_GT(between, 100000);
     EXPECT_EQ(holes, 0);

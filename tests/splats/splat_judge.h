@@ -71,6 +71,35 @@ inline Judgement judge(Renderer& renderer, Primitives primitives, const Camera& 
     return judgement;
 }
 
+struct Holes {
+    int met = 0;   // pixels whose rays meet what is expected
+    int holes = 0; // those of them that show nothing
+};
+
+/// Draws one thing, and looks where rays meet another.
+inline Holes holes_in(Renderer& renderer, const Primitives& drawn, const Primitives& expected,
+                      const Camera& camera, int size) {
+    renderer.load({.primitives = std::make_shared<Primitives>(drawn)});
+    renderer.draw(camera, size, size, {FrameImage::Hit});
+    const Image hits = renderer.read(FrameImage::Hit);
+    const std::vector<SeenPrimitive> met = cast_primitives(expected, camera, size, size);
+    Holes out;
+    for (std::size_t i = 0; i < met.size(); ++i) {
+        out.met += met[i].number >= 0;
+        out.holes += met[i].number >= 0 && hits.rgba[4 * i + 3] == 0;
+    }
+    return out;
+}
+
+/// Of a closed mesh: pixels whose rays pass a ball in it and that show nothing.
+inline int holes_before_ball(Renderer& renderer, const Primitives& drawn, double radius_world,
+                             const Camera& camera, int size) {
+    const Holes seen =
+        holes_in(renderer, drawn, {.spheres = {{.radius_world = radius_world}}}, camera, size);
+    EXPECT_GT(seen.met, 1000);
+    return seen.holes;
+}
+
 struct ShadowCounts {
     int dark = 0;
     int lit = 0;

@@ -44,21 +44,8 @@ struct Triangles : RendererTest {
         EXPECT_LT(judgement.worst_error, error);
         return judgement;
     }
-    Image hits_of(const TriangleMesh& mesh, int size) {
-        renderer.load({.primitives = std::make_shared<Primitives>(Primitives{.meshes = {mesh}})});
-        renderer.draw(camera, size, size, {FrameImage::Hit});
-        return renderer.read(FrameImage::Hit);
-    }
-    /// Pixels whose rays pass a ball and that show nothing.
     int holes_in(const TriangleMesh& mesh, double inner_radius, int size) {
-        const Image hits = hits_of(mesh, size);
-        const std::vector<SeenPrimitive> ball =
-            cast_primitives({.spheres = {{.radius_world = inner_radius}}}, camera, size, size);
-        int holes = 0;
-        for (std::size_t i = 0; i < ball.size(); ++i)
-            holes += ball[i].number >= 0 && hits.rgba[4 * i + 3] == 0;
-        EXPECT_GT(std::ranges::count_if(ball, [](auto& seen) { return seen.number >= 0; }), 1000);
-        return holes;
+        return holes_before_ball(renderer, {.meshes = {mesh}}, inner_radius, camera, size);
     }
 };
 

@@ -5,7 +5,9 @@
 #include "distance_transform/band_tiles.h"
 #include "distance_transform/block_signs.h"
 #include "distance_transform/lattice.h"
+#include "distance_transform/lone_signs.h"
 #include "distance_transform/open_mesh_signs.h"
+#include "distance_transform/point_gaps.h"
 #include "distance_transform/progress_meter.h"
 #include "volume/available_memory.h"
 #include "volume/errors.h"
@@ -50,6 +52,12 @@ struct Reach {
         return std::sqrt(half_width * half_width + 4 * spacing[point] * spacing[point]);
     }
 };
+
+void append(const PointCloud& more, PointCloud& cloud) {
+    cloud.points_world.insert(cloud.points_world.end(), more.points_world.begin(),
+                              more.points_world.end());
+    cloud.normals.insert(cloud.normals.end(), more.normals.begin(), more.normals.end());
+}
 
 /// Coordinates of the blocks with a sample within reach of a point, in order.
 std::vector<Index3> blocks_in_reach(std::span<const Vec3d> points, const Reach& reach,
@@ -239,9 +247,13 @@ ConvertResult convert_points(const CheckedPoints& input, const ConvertOptions& o
     Reach reach{input.spacing_world, options.half_width_voxels};
     for (double& spacing : reach.spacing) spacing /= voxel;
     const auto& at = lattice.mesh.vertices_world;
-    const Meshless field({at.begin(), at.begin() + static_cast<std::ptrdiff_t>(count)},
-                         input.cloud.normals, meshless);
+    PointCloud cloud{{at.begin(), at.begin() + static_cast<std::ptrdiff_t>(count)},
+                     input.cloud.normals};
     const WindingNumber winding(lattice.mesh, false);
+    const double gap_cell = 2 * input.median_spacing_world / voxel;
+    append(points_over_gaps(cloud.points_world, reach.spacing, gap_cell, winding), cloud);
+    reach.spacing.resize(cloud.points_world.size(), gap_cell);
+    const Meshless field(std::move(cloud.points_world), std::move(cloud.normals), meshless);
     const std::vector<Index3> coordinates = blocks_in_reach(field.points(), reach, memory);
     const double prepare_seconds = time.seconds();
 
@@ -261,6 +273,7 @@ ConvertResult convert_points(const CheckedPoints& input, const ConvertOptions& o
     for (std::size_t i = 0; i < blocks.size(); ++i)
         if (is_used[i]) blocks[used++] = blocks[i];
     blocks.resize(used);
+    turn_lone_signs(blocks, static_cast<float>(voxel));
     const auto background = static_cast<float>(options.half_width_voxels * voxel);
     if (!blocks.empty()) store_outside_signs(blocks, winding, background, memory, progress);
     for (FieldBlock& block : blocks) block.coordinate += lattice.anchor / block_size;

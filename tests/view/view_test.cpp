@@ -51,6 +51,7 @@ TEST(View, ExploresATorus) {
     // A drag turns it: coarse pictures while it moves, whole ones after it.
     std::size_t mark = session.mark();
     session.drag(1, 700, 300, 830, 360);
+    session.wait_until("a coarse picture", mark, is_coarse); // a busy machine is slow to answer
     session.wait_for_rest();
     const std::vector<Json> drag = session.trace_since(mark);
     EXPECT_TRUE(std::ranges::any_of(drag, is_coarse)); // how many is a matter of the machine
@@ -67,6 +68,7 @@ TEST(View, ExploresATorus) {
     session.click("Probe");
     session.wait_for_rest();
     session.xdotool("mousemove 640 560 sleep 0.3 click 1");
+    session.wait_until("a pin", 0, [](const Json& line) { return line.contains("pin"); });
     session.wait_for_rest();
     ASSERT_EQ(session.events("pin").size(), 1u);
     const std::string probe = session.events("pin").front();
@@ -89,6 +91,7 @@ TEST(View, ExploresATorus) {
     session.wait_for_rest();
     mark = session.mark();
     session.click("effects.curvature_colour.0.strength", 0.4);
+    session.wait_until("a picture", mark, is_step);
     session.wait_for_rest();
     std::vector<Json> first_round;
     for (const Json& line : session.trace_since(mark))
@@ -100,6 +103,7 @@ TEST(View, ExploresATorus) {
     // Another iso value.
     mark = session.mark();
     session.click("iso", 0.3);
+    session.wait_until("a picture", mark, is_step);
     session.wait_for_rest();
     EXPECT_TRUE(passes_of(session.trace_since(mark)).contains("raycast"));
 

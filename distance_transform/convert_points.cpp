@@ -5,7 +5,7 @@
 #include "distance_transform/band_tiles.h"
 #include "distance_transform/block_signs.h"
 #include "distance_transform/lattice.h"
-#include "distance_transform/lone_signs.h"
+#include "distance_transform/mended_signs.h"
 #include "distance_transform/open_mesh_signs.h"
 #include "distance_transform/point_gaps.h"
 #include "distance_transform/progress_meter.h"
@@ -273,7 +273,7 @@ ConvertResult convert_points(const CheckedPoints& input, const ConvertOptions& o
     for (std::size_t i = 0; i < blocks.size(); ++i)
         if (is_used[i]) blocks[used++] = blocks[i];
     blocks.resize(used);
-    turn_lone_signs(blocks, static_cast<float>(voxel));
+    mend_signs(blocks, static_cast<float>(voxel), [&](const Vec3d& p) { return winding.at(p); });
     const auto background = static_cast<float>(options.half_width_voxels * voxel);
     if (!blocks.empty()) store_outside_signs(blocks, winding, background, memory, progress);
     for (FieldBlock& block : blocks) block.coordinate += lattice.anchor / block_size;

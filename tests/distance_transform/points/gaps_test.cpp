@@ -1,7 +1,7 @@
 // Gaps of clouds are spanned, and signs that contradict their neighbours are turned.
 // SPDX-License-Identifier: MPL-2.0
 #include "clouds.h"
-#include "distance_transform/lone_signs.h"
+#include "distance_transform/mended_signs.h"
 #include "distance_transform/mesh_files.h"
 #include "distance_transform/point_gaps.h"
 
@@ -145,11 +145,16 @@ FieldBlocks sphere_band(double radius_voxels) {
     return blocks;
 }
 
-TEST(LoneSigns, AreTurnedAndNoOthers) {
+/// Of a cloud that says nothing about inside and outside.
+double undecided(const Vec3d&) {
+    return 0.5;
+}
+
+TEST(MendedSigns, LoneOnesAreTurnedAndNoOthers) {
     // A surface around a single sample is as small as one can be, and stays.
     for (const double radius : {0.4, 0.9, 10.0}) {
         FieldBlocks blocks = sphere_band(radius);
-        EXPECT_EQ(turn_lone_signs(blocks, 1), 0);
+        EXPECT_EQ(mend_signs(blocks, 1, undecided), 0);
     }
     const FieldBlocks truth = sphere_band(10);
     FieldBlocks blocks = sphere_band(10);
@@ -161,13 +166,36 @@ TEST(LoneSigns, AreTurnedAndNoOthers) {
         for (int k = 0; k < samples_per_block; ++k)
             if (blocks[b].active[k] && std::abs(blocks[b].values[k]) > 1.6f) far.push_back(k);
         if (far.empty()) continue;
-        const int k = far[random() % far.size()];
-        blocks[b].values[k] *= -1;
+        blocks[b].values[far[random() % far.size()]] *= -1;
         ++wrong;
     }
     EXPECT_GT(wrong, 5);
-    EXPECT_EQ(turn_lone_signs(blocks, 1), wrong);
+    EXPECT_EQ(mend_signs(blocks, 1, undecided), wrong);
     for (std::size_t b = 0; b < blocks.size(); ++b) EXPECT_EQ(blocks[b].values, truth[b].values);
+}
+
+// A slab of wrong signs has no lone ones; all of its samples but those inside it are asked for.
+TEST(MendedSigns, TheWindingNumberOutvotesNeighbours) {
+    const FieldBlocks truth = sphere_band(10);
+    FieldBlocks blocks = sphere_band(10);
+    int wrong = 0;
+    for (FieldBlock& block : blocks) {
+        for (int k = 0; k < samples_per_block; ++k) {
+            const Index3 p = block_size * block.coordinate + Index3(k % 8, k / 8 % 8, k / 64);
+            if (std::abs(p.x()) > 1 || !block.active[k] || block.values[k] < 2.1f) continue;
+            block.values[k] *= -1;
+            ++wrong;
+        }
+    }
+    EXPECT_GT(wrong, 20);
+    mend_signs(blocks, 1, [](const Vec3d& p) { return p.norm() < 10 ? 1.0 : 0.0; });
+    for (std::size_t b = 0; b < blocks.size(); ++b) {
+        for (int k = 0; k < samples_per_block; ++k) {
+            const Index3 p = block_size * blocks[b].coordinate + Index3(k % 8, k / 8 % 8, k / 64);
+            if (p.x() == 0) continue; // inside the slab
+            EXPECT_EQ(blocks[b].values[k], truth[b].values[k]);
+        }
+    }
 }
 
 } // namespace

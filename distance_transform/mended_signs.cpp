@@ -1,6 +1,8 @@
-// Signs that the distance's slope rules out.
+// Signs that distance cannot have, since it changes by no more than one moves.
 // SPDX-License-Identifier: MPL-2.0
-#include "distance_transform/lone_signs.h"
+#include "distance_transform/mended_signs.h"
+
+#include "distance_transform/block_signs.h"
 
 #include <tbb/parallel_for.h>
 
@@ -24,9 +26,14 @@ public:
         }
     }
 
-    bool contradicts(int i, float voxel_world) const {
+    /// Of the six neighbours of sample i: those that contradict it, and the others that are there.
+    struct Votes {
+        int against = 0;
+        int with = 0;
+    };
+    Votes votes(int i, float voxel_world) const {
         const float value = middle_.values[i];
-        int votes = 0;
+        Votes votes;
         for (int side = 0; side < 6; ++side) {
             const int shift = 3 * (side / 2);
             const int place = i >> shift & (block_size - 1);
@@ -37,9 +44,9 @@ public:
                 block->values[i + (((next & (block_size - 1)) - place) * (1 << shift))];
             const bool is_against = std::signbit(value) != std::signbit(other) &&
                                     std::abs(value) + std::abs(other) > 2 * voxel_world;
-            votes += is_against ? 1 : -1;
+            ++(is_against ? votes.against : votes.with);
         }
-        return votes > 0;
+        return votes;
     }
 
 private:
@@ -55,18 +62,27 @@ private:
 
 } // namespace
 
-std::int64_t turn_lone_signs(FieldBlocks& blocks, float voxel_world) {
-    std::vector<std::vector<int>> lone(blocks.size());
+std::int64_t mend_signs(FieldBlocks& blocks, float voxel_world,
+                        const std::function<double(const Vec3d&)>& winding_at) {
+    std::vector<std::vector<int>> wrong(blocks.size());
     tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
         const Neighbourhood neighbourhood(blocks, blocks[b]);
-        for (int i = 0; i < samples_per_block; ++i)
-            if (blocks[b].active[i] && neighbourhood.contradicts(i, voxel_world))
-                lone[b].push_back(i);
+        for (int i = 0; i < samples_per_block; ++i) {
+            if (!blocks[b].active[i]) continue;
+            const auto votes = neighbourhood.votes(i, voxel_world);
+            if (votes.against == 0) continue;
+            const Index3 p = block_size * blocks[b].coordinate + sample_of(i);
+            const double winding = winding_at(p.cast<double>());
+            const bool is_wrong = std::abs(winding - 0.5) > 0.25
+                                      ? (winding > 0.5) != std::signbit(blocks[b].values[i])
+                                      : votes.against > votes.with;
+            if (is_wrong) wrong[b].push_back(i);
+        }
     });
     std::int64_t count = 0;
     for (std::size_t b = 0; b < blocks.size(); ++b) {
-        for (const int i : lone[b]) blocks[b].values[i] = -blocks[b].values[i];
-        count += static_cast<std::int64_t>(lone[b].size());
+        for (const int i : wrong[b]) blocks[b].values[i] = -blocks[b].values[i];
+        count += static_cast<std::int64_t>(wrong[b].size());
     }
     return count;
 }

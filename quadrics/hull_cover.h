@@ -84,14 +84,14 @@ void append_in_order(SplatKind kind, std::size_t count, Splats& splats, Write wr
 /// Appends the splats of a mesh of bodies with four corners.
 ///
 /// element_of  (i): the body
-/// is_flat     (body): nothing is drawn of it
+/// is_unseen   (body): nothing is drawn of it
 /// put         (body, record): what follows its place
-template<class ElementOf, class IsFlat, class Put>
+template<class ElementOf, class IsUnseen, class Put>
 void append_hulls(SplatKind kind, std::size_t count, std::size_t number, const SplatView& view,
-                  Splats& splats, ElementOf element_of, IsFlat is_flat, Put put) {
+                  Splats& splats, ElementOf element_of, IsUnseen is_unseen, Put put) {
     append_in_order(kind, count, splats, [&](std::size_t i, float* to) -> std::optional<PixelBox> {
         const auto body = element_of(i);
-        if (is_flat(body) || is_cut_away(body, view.planes)) return std::nullopt;
+        if (is_unseen(body) || is_cut_away(body, view.planes)) return std::nullopt;
         const auto box = cover_of(body.corners_world, view);
         if (!box) return std::nullopt;
         Record record(to);

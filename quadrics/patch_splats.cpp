@@ -37,6 +37,41 @@ std::array<Vec3d, 4> in_view(const Tetrahedron& tetrahedron, const PictureSpace&
     return out;
 }
 
+/// Whether only the outside of a closed surface shows: it is in front of the eye, and nothing is
+/// cut away.
+bool shows_outside_only(const TetrahedralMesh& mesh, const SplatView& view) {
+    const Vec3d axis = view.space.view_from_world.row(2);
+    return mesh.is_closed && view.planes.empty() &&
+           std::ranges::all_of(mesh.vertices_world, [&](const Vec3d& p) {
+               return axis.dot(p - view.space.eye_world) < 0;
+           });
+}
+
+/// Whether the function grows all along every ray, which then leaves what is inside and never
+/// enters it. Along the ray to p the slope is g . p, a quadratic function of p since the gradient g
+/// is linear, and positive if its Bernstein-Bézier coefficients are; along parallel rays it is
+/// linear.
+///
+/// source  Stoll, Gumhold, Seidel 2007, 5.1.2: conservative culling; but by the polar form
+bool faces_away(const Tetrahedron& tetrahedron, const PictureSpace& space) {
+    const std::array<Vec3d, 4> p = in_view(tetrahedron, space);
+    const Eigen::Matrix<double, 3, 4> g = space.view_from_world *
+                                          tetrahedron.barycentric_gradients() *
+                                          tetrahedron.coefficients; // half gradients at corners
+    for (int k = 0; k < 4; ++k) {
+        if (!space.is_perspective) {
+            if (!(g(2, k) < 0)) return false;
+            continue;
+        }
+        for (int l = k; l < 4; ++l)
+            if (!(g.col(k).dot(p[static_cast<std::size_t>(l)]) +
+                      g.col(l).dot(p[static_cast<std::size_t>(k)]) >
+                  0))
+                return false;
+    }
+    return true;
+}
+
 } // namespace
 
 PatchFrame frame_of(const Patch& patch, const PictureSpace& space) {
@@ -73,9 +108,14 @@ void append_splats(const PatchMesh& mesh, std::size_t number, const SplatView& v
 
 void append_splats(const TetrahedralMesh& mesh, std::size_t number, const SplatView& view,
                    Splats& splats) {
+    const bool is_culled = shows_outside_only(mesh, view);
     append_hulls(
         SplatKind::Tetrahedron, mesh.tetrahedra.size(), number, view, splats,
-        [&](std::size_t i) { return tetrahedron_of(mesh, i); }, is_without_volume,
+        [&](std::size_t i) { return tetrahedron_of(mesh, i); },
+        [&](const Tetrahedron& tetrahedron) {
+            return is_without_volume(tetrahedron) ||
+                   (is_culled && faces_away(tetrahedron, view.space));
+        },
         [&](const Tetrahedron& tetrahedron, Record& record) {
             const std::array<Vec3d, 4> corners = in_view(tetrahedron, view.space);
             std::array<Vec3d, 4> seen = corners;

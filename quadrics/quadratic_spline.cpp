@@ -67,6 +67,27 @@ public:
         return out;
     }
 
+    /// Whether the function is greater than `iso` all over the cells at the border, whose
+    /// coefficients may_cross() bounds.
+    bool is_closed(double iso) const {
+        const auto is_open = [&](const Index3& cell) {
+            return at(cell) <= iso || may_cross(cell, iso);
+        };
+        for (int axis = 0; axis < 3; ++axis) {
+            Index3 cells = box_.size().array() - 1;
+            cells[axis] = 1;
+            for (int side = 0; side < 2; ++side) {
+                for (int i = 0; i < cells.x() * cells.y() * cells.z(); ++i) {
+                    Index3 cell = box_.lo + Index3(i % cells.x(), i / cells.x() % cells.y(),
+                                                   i / (cells.x() * cells.y()));
+                    if (side == 1) cell[axis] = box_.hi[axis] - 2;
+                    if (is_open(cell)) return false;
+                }
+            }
+        }
+        return true;
+    }
+
     /// Whether the function may be `iso` in a cell. Coefficients lie within 1.5 times the range of
     /// the samples around: three bends of it, and a tangent's way along three axes.
     bool may_cross(const Index3& cell, double iso) const {
@@ -175,7 +196,9 @@ TetrahedralMesh quadratic_spline(const FieldSource& field, double iso_world,
             for (int x = box.lo.x(); x + 1 < box.hi.x(); ++x)
                 if (samples.may_cross({x, y, z}, iso_world)) spline.add_cell({x, y, z});
     }
-    return spline.take();
+    TetrahedralMesh mesh = spline.take();
+    mesh.is_closed = samples.is_closed(iso_world);
+    return mesh;
 }
 
 } // namespace isocast

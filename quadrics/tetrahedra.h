@@ -35,6 +35,9 @@ struct TetrahedralMesh {
     std::vector<std::array<int, 4>> tetrahedra; // indices rise: faces look the same from both sides
     /// Of each: of the corners, then of tetrahedron_edges.
     std::vector<std::array<float, 10>> coefficients;
+    /// Whether a way from afar meets the surface from outside first: the function is positive
+    /// wherever the tetrahedra, and those without a surface, end.
+    bool is_closed = false;
     Vec3d colour = Vec3d(0.72, 0.6, 0.42); // linear
 };
 

@@ -295,6 +295,65 @@ TEST_F(Tetrahedra, OfAClosedSurfaceLeaveNoHole) {
             }
 }
 
+int drawn_of(const TetrahedralMesh& mesh, const SplatView& view) {
+    return splats_of(Primitives{.tetrahedra = {mesh}}, view).count(SplatKind::Tetrahedron);
+}
+
+// Bit by bit what all of them show, with about half of them.
+TEST_F(Tetrahedra, ThatFaceAwayAreNotDrawn) {
+    for (const char* name : {"sphere", "torus"}) {
+        TetrahedralMesh mesh = quadratic_spline(*sampled(builtin_field(name), 40), 0);
+        ASSERT_TRUE(mesh.is_closed);
+        for (const Projection projection : {Projection::Perspective, Projection::Orthographic}) {
+            for (int run = 0; run < 5; ++run) {
+                camera = {.eye_world = random.uniform(3, 20) * random.unit(),
+                          .target_world = Vec3d::Zero(),
+                          .projection = projection,
+                          .height_world = 3};
+                std::vector<Image> images;
+                for (const bool is_closed : {true, false}) {
+                    mesh.is_closed = is_closed;
+                    renderer.load({.primitives = std::make_shared<Primitives>(
+                                       Primitives{.tetrahedra = {mesh}})});
+                    renderer.draw(camera, 160, 120, {FrameImage::Hit, FrameImage::Curvature});
+                    images.push_back(renderer.read(FrameImage::Hit));
+                    images.push_back(renderer.read(FrameImage::Curvature));
+                }
+                EXPECT_EQ(images[0].rgba, images[2].rgba);
+                EXPECT_EQ(images[1].rgba, images[3].rgba);
+            }
+        }
+        mesh.is_closed = true;
+        SplatView view{.space = {.eye_world = {0, 0, 6}},
+                       .pixels_per_unit = 300,
+                       .middle_pixels = {100, 100},
+                       .width = 200,
+                       .height = 200};
+        TetrahedralMesh open = mesh;
+        open.is_closed = false;
+        const int all = drawn_of(open, view);
+        // Half of the surface, but for what holds a piece of its contour.
+        EXPECT_LT(drawn_of(mesh, view), 0.65 * all);
+        EXPECT_GT(drawn_of(mesh, view), 0.35 * all);
+        // Where insides show, all are drawn.
+        view.planes = {{{0, 0, 1}, 0.3}};
+        EXPECT_EQ(drawn_of(mesh, view), drawn_of(open, view));
+        view.planes.clear();
+        view.space.eye_world = {0.5, 0.5, 0};
+        EXPECT_EQ(drawn_of(mesh, view), drawn_of(open, view));
+    }
+}
+
+TEST(QuadraticSpline, IsOpenWhereTheBoxCutsIt) {
+    EXPECT_TRUE(quadratic_spline(*sampled(builtin_field("sphere"), 24), 0).is_closed);
+    EXPECT_FALSE(quadratic_spline(*sampled(builtin_field("gyroid"), 24), 0).is_closed);
+    // Inside out: the box is full, but for a ball.
+    std::vector<float> values(1000, -1);
+    values[555] = 1;
+    const DenseField field(GridSpace{}, {Index3::Zero(), Index3::Constant(10)}, values);
+    EXPECT_FALSE(quadratic_spline(field, 0).is_closed);
+}
+
 TEST(QuadraticSpline, ConvergesAtThirdOrder) {
     // Hits of rays through the torus against those of the field itself.
     const AnalyticField torus = builtin_field("torus");

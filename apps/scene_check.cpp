@@ -107,6 +107,8 @@ void check_object(const SceneFile& scene, std::size_t i, Problems& problems) {
     if (!object.is_cut && (is_of_primitives(object) || is_operand))
         problems.add(key_of(i, "cut"), is_operand ? "what it is an operand of is cut as a whole"
                                                   : "for fields: all primitives are cut");
+    if (!object.is_shown && is_operand)
+        problems.add(key_of(i, "shown"), "it is where what it is an operand of is");
     const Placement unplaced;
     for (const auto& [key, is_there] :
          {std::pair{"iso", object.iso_world.has_value()},
@@ -240,7 +242,10 @@ void check_animations(const SceneFile& scene, Problems& problems) {
 
 void check_scene(const SceneFile& scene) {
     Problems problems(scene);
-    if (scene.objects.empty()) problems.add("object", "there is none");
+    if (scene.objects.empty())
+        problems.add("object", "there is none");
+    else if (std::ranges::none_of(scene.objects, &SceneObject::is_shown))
+        problems.add("object.0.shown", "none is");
     check_animations(scene, problems);
     // The rest holds for the first frame and the last, which numbers lie between.
     std::vector<SceneFile> frames{scene};
@@ -275,6 +280,9 @@ void check_scene(const SceneFile& scene) {
         std::max(output.width, output.height) > max_picture_extent)
         problems.add("output.size", fmt::format("{}x{}: each side must lie between 1 and {}",
                                                 output.width, output.height, max_picture_extent));
+    if (scene.look.effects.slice.strength > 0 && problems.empty() &&
+        composition_of(scene).parts.empty())
+        problems.add("effects.slice", "there is no field");
     const SolidTexture& texture = scene.look.effects.solid_texture;
     if (texture.strength > 0 && texture.kind == SolidTexture::Kind::Volume && !texture.volume)
         problems.add("effects.solid_texture.kind", "volume: which? (effects.solid_texture.volume)");

@@ -305,6 +305,8 @@ SceneTable object_table() {
          colour("cut_colour", object(&SceneObject::cut_colour),
                 "Where it is taken away from others, and where planes cut it, in place of "
                 "`colour`"),
+         truth("shown", object(&SceneObject::is_shown),
+               "Whether it is drawn; operands are where the object is that combines them"),
          truth("cut", object(&SceneObject::is_cut),
                "Fields: whether the planes of [[cut.plane]] cut it")},
         [](const SceneFile& file) { return file.objects.size(); },

@@ -42,7 +42,8 @@ std::vector<std::size_t> drawn_objects(const SceneFile& scene) {
         used.insert(operands_of(object).begin(), operands_of(object).end());
     std::vector<std::size_t> drawn;
     for (std::size_t i = 0; i < scene.objects.size(); ++i)
-        if (!used.contains(scene.objects[i].name) && !is_of_primitives(scene.objects[i]))
+        if (const SceneObject& object = scene.objects[i];
+            object.is_shown && !used.contains(object.name) && !is_of_primitives(object))
             drawn.push_back(i);
     return drawn;
 }
@@ -507,6 +508,7 @@ Scene SceneObjects::compose(const SceneFile& scene, const Progress& progress,
     auto primitives = std::make_shared<Primitives>();
     for (std::size_t i = 0; i < scene.objects.size(); ++i) {
         const SceneObject& object = scene.objects[i];
+        if (!object.is_shown) continue;
         if (object.glyphs) append(making.glyphs_of(i), {}, primitives->ellipsoids);
         if (!object.molecule.empty() && !object.surface) {
             MoleculeLook look = object.molecule_look;
@@ -531,6 +533,7 @@ Scene SceneObjects::compose(const SceneFile& scene, const Progress& progress,
     }
     for (std::size_t i = 0; i < scene.objects.size(); ++i) {
         const SceneObject& object = scene.objects[i];
+        if (!object.is_shown) continue;
         const auto add = [&](auto& meshes, auto mesh) {
             meshes.push_back(std::move(mesh));
             meshes.back().colour = object.colour.value_or(scene.look.material.colour);

@@ -61,8 +61,15 @@ TEST(Composition, UnitesWhatNoOtherObjectIsMadeOf) {
     morph.morph = {"a", "c"};
     scene.objects.push_back(morph);
     EXPECT_EQ(postfix(scene, composition_of(scene)), "object.1 d + object.4 +");
+    scene.objects[1].is_shown = false;
+    EXPECT_EQ(postfix(scene, composition_of(scene)), "d object.4 +");
+    EXPECT_NO_THROW(check_scene(scene));
+    scene.objects[0].is_shown = false;
+    EXPECT_THROW(check_scene(scene), InputError) << "an operand";
     scene.objects = {leaf("a")};
     EXPECT_EQ(postfix(scene, composition_of(scene)), "a");
+    scene.objects[0].is_shown = false;
+    EXPECT_THROW(check_scene(scene), InputError) << "nothing is left";
 }
 
 TEST(Composition, TakesAwayFromEachObjectWhatPlanesCut) {

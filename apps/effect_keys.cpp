@@ -138,6 +138,8 @@ std::vector<SceneTable> overlay_effects() {
         [](SceneFile& file, std::size_t) -> Contours& { return file.look.effects.contours; });
     constexpr auto outlines = within(
         [](SceneFile& file, std::size_t) -> Outlines& { return file.look.effects.outlines; });
+    constexpr auto slice =
+        within([](SceneFile& file, std::size_t) -> Slice& { return file.look.effects.slice; });
     return {
         {"effects.refraction",
          "The environment, seen through the object.",
@@ -168,6 +170,21 @@ std::vector<SceneTable> overlay_effects() {
                  "Of depth, relative to the object's size"),
           number("crease_threshold", outlines(&Outlines::crease_threshold), positive, "Of normals"),
           colour("colour", outlines(&Outlines::colour), "Of lines")}},
+        {"effects.slice",
+         "A plane that shows the field of the first object itself, over all that lies behind it.",
+         {strength(slice(&Slice::strength)),
+          direction("normal", slice(&Slice::normal), "Of the plane"),
+          number("offset", slice(&Slice::offset_world), {},
+                 "How far along the normal the plane is from the world's origin [world]"),
+          number("spacing", slice(&Slice::spacing_world), positive,
+                 "Lines where the field is a multiple of it; else about 1/50 of its diagonal, or a "
+                 "third of its band"),
+          number("range", slice(&Slice::range_world), positive,
+                 "So far from the iso value tones are full; else the band's half width, or ten "
+                 "lines"),
+          colour("inside", slice(&Slice::inside), "Below the iso value"),
+          colour("outside", slice(&Slice::outside), "Above it"),
+          colour("line", slice(&Slice::line), "Of lines; that of the iso value is thick")}},
     };
 }
 

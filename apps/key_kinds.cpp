@@ -114,14 +114,18 @@ Value value_of(const std::array<double, 2>& interval) {
     return std::vector<double>(interval.begin(), interval.end());
 }
 
-SceneKey special(std::string name, std::string type, std::string help, decltype(SceneKey::set) set,
-                 decltype(SceneKey::get) get, bool is_number) {
+SceneFile new_scene() {
     SceneFile fresh;
     fresh.objects.resize(1);
     fresh.camera_keys.resize(1);
     fresh.animations.resize(1);
     fresh.cut.planes.resize(1);
-    const Value initial = get(fresh, 0, {});
+    return fresh;
+}
+
+SceneKey special(std::string name, std::string type, std::string help, decltype(SceneKey::set) set,
+                 decltype(SceneKey::get) get, bool is_number) {
+    const Value initial = get(new_scene(), 0, {});
     return {std::move(name), std::move(type), initial ? written(*initial) : "",
             std::move(help), is_number,       std::move(set),
             std::move(get)};

@@ -69,6 +69,18 @@ const auto& member_at(Place place, const SceneFile& scene, std::size_t i) {
     return place(const_cast<SceneFile&>(scene), i); // places serve set and get; this is for get
 }
 
+/// With one element in each array.
+SceneFile new_scene();
+
+/// What makes a member what it is in a new scene.
+template<class Place>
+auto reset_of(Place place) {
+    return [place](SceneFile& scene, std::size_t i) {
+        SceneFile fresh = new_scene();
+        place(scene, i) = place(fresh, 0);
+    };
+}
+
 /// A key whose values need more than their member: files, or two members. What it gets from a new
 /// scene is its initial value.
 SceneKey special(std::string name, std::string type, std::string help, decltype(SceneKey::set) set,
@@ -77,7 +89,7 @@ SceneKey special(std::string name, std::string type, std::string help, decltype(
 template<class Place, class Parse>
 SceneKey key(std::string name, std::string type, std::string help, Place place, Parse parse,
              bool is_number = false) {
-    return special(
+    SceneKey out = special(
         std::move(name), std::move(type), std::move(help),
         [place, parse](SceneFile& scene, std::size_t i, const SceneValue& value,
                        const std::filesystem::path&) { place(scene, i) = parse(value); },
@@ -85,6 +97,8 @@ SceneKey key(std::string name, std::string type, std::string help, Place place, 
             return value_of(member_at(place, scene, i));
         },
         is_number);
+    out.reset = reset_of(place);
+    return out;
 }
 
 /// Numbers between lo and hi.
@@ -175,7 +189,7 @@ template<class Place, class Meaning>
 SceneKey choice(std::string name, Place place, Names<Meaning> names, std::string help) {
     std::vector<std::string> quoted;
     for (const auto& [word, meaning] : names) quoted.push_back(fmt::format("\"{}\"", word));
-    return special(
+    SceneKey out = special(
         std::move(name), fmt::format("{}", fmt::join(quoted, " | ")), std::move(help),
         [place, names](SceneFile& scene, std::size_t i, const SceneValue& value,
                        const std::filesystem::path&) { place(scene, i) = named(names, value); },
@@ -186,6 +200,8 @@ SceneKey choice(std::string name, Place place, Names<Meaning> names, std::string
                 if (now && *now == meaning) return std::string(word);
             return std::nullopt;
         });
+    out.reset = reset_of(place);
+    return out;
 }
 
 /// A path is relative to the folder, unless it is a built-in name.

@@ -94,7 +94,8 @@ void print_json(const RenderReport& report) {
     const std::vector<ScenePart> parts = composition_of(report.scene).parts;
     for (std::size_t i = 0; i < parts.size(); ++i) {
         const FieldObject& object = report.loaded.objects[i];
-        objects.push_back({{"name", name_of(report.scene, parts[i].object)},
+        objects.push_back({{"name", parts[i].plane ? fmt::format("cut.plane.{}", *parts[i].plane)
+                                                   : name_of(report.scene, parts[i].object)},
                            {"iso", object.iso_world},
                            {"voxel_size", object.field->space().voxel_size_world()},
                            {"filter", filter_name(object.filter)}});

@@ -101,6 +101,14 @@ void check_object(const SceneFile& scene, std::size_t i, Problems& problems) {
     if (object.cut_colour && is_of_primitives(object))
         problems.add(key_of(i, "cut_colour"),
                      "for fields: molecules, points, triangles and glyphs are not cut");
+    const bool is_operand = std::ranges::any_of(scene.objects, [&](const SceneObject& other) {
+        return !object.name.empty() && std::ranges::count(operands_of(other), object.name) > 0;
+    });
+    if (!object.is_cut && (is_of_primitives(object) || is_operand))
+        problems.add(key_of(i, "cut"), is_operand ? "what it is an operand of is cut as a whole"
+                                                  : "for fields: all primitives are cut");
+    if (!object.is_shown && is_operand)
+        problems.add(key_of(i, "shown"), "it is where what it is an operand of is");
     const Placement unplaced;
     for (const auto& [key, is_there] :
          {std::pair{"iso", object.iso_world.has_value()},
@@ -151,10 +159,14 @@ void check_series(const SceneFile& scene, std::size_t i, Problems& problems) {
 /// What the renderer cannot draw together.
 void check_composition(const SceneFile& scene, Problems& problems) {
     const std::vector<ScenePart> parts = composition_of(scene).parts;
-    if (parts.size() > max_object_count)
-        problems.add(fmt::format("object.{}", parts[max_object_count].object),
-                     fmt::format("{} fields are drawn together, {} at most can be", parts.size(),
-                                 max_object_count));
+    if (parts.size() > max_object_count) {
+        const ScenePart& part = parts[max_object_count];
+        problems.add(part.plane ? fmt::format("cut.plane.{}", *part.plane)
+                                : fmt::format("object.{}", part.object),
+                     fmt::format("{} fields and planes that cut them are drawn together, {} at "
+                                 "most can be",
+                                 parts.size(), max_object_count));
+    }
     if (parts.size() < 2) return;
     if (scene.quality.rate)
         problems.add("quality.rate", "several objects are searched by certified steps alone");
@@ -230,7 +242,10 @@ void check_animations(const SceneFile& scene, Problems& problems) {
 
 void check_scene(const SceneFile& scene) {
     Problems problems(scene);
-    if (scene.objects.empty()) problems.add("object", "there is none");
+    if (scene.objects.empty())
+        problems.add("object", "there is none");
+    else if (std::ranges::none_of(scene.objects, &SceneObject::is_shown))
+        problems.add("object.0.shown", "none is");
     check_animations(scene, problems);
     // The rest holds for the first frame and the last, which numbers lie between.
     std::vector<SceneFile> frames{scene};
@@ -251,10 +266,11 @@ void check_scene(const SceneFile& scene) {
     for (std::size_t i = 0; i < scene.look.lights.size(); ++i)
         if (scene.look.lights[i].shadow != Shadow::None && ++shadows == 2)
             problems.add(fmt::format("light.{}.shadow", i), "one light at most casts shadows");
-    if (scene.cut != Cut{} && std::ranges::none_of(scene.objects, is_of_primitives))
-        problems.add(scene.cut.planes.empty() ? "cut" : "cut.plane.0",
-                     "this opens molecules, points and triangles, and there are none; a csg cuts "
-                     "fields");
+    if ((scene.cut.near_world || scene.cut.look != Cut{}.look) &&
+        std::ranges::none_of(scene.objects, is_of_primitives))
+        problems.add(scene.cut.near_world ? "cut.near" : "cut.look",
+                     "this is of molecules, points and triangles, and there are none; fields are "
+                     "cut by planes, and have caps");
     if (scene.cut.planes.size() > max_cut_planes)
         problems.add(fmt::format("cut.plane.{}", max_cut_planes),
                      fmt::format("{} planes at most", max_cut_planes));
@@ -264,6 +280,9 @@ void check_scene(const SceneFile& scene) {
         std::max(output.width, output.height) > max_picture_extent)
         problems.add("output.size", fmt::format("{}x{}: each side must lie between 1 and {}",
                                                 output.width, output.height, max_picture_extent));
+    if (scene.look.effects.slice.strength > 0 && problems.empty() &&
+        composition_of(scene).parts.empty())
+        problems.add("effects.slice", "there is no field");
     const SolidTexture& texture = scene.look.effects.solid_texture;
     if (texture.strength > 0 && texture.kind == SolidTexture::Kind::Volume && !texture.volume)
         problems.add("effects.solid_texture.kind", "volume: which? (effects.solid_texture.volume)");

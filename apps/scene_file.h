@@ -56,6 +56,8 @@ struct SceneObject {
     std::optional<Filter> filter;
     std::optional<Vec3d> colour;
     std::optional<Vec3d> cut_colour;
+    bool is_shown = true;
+    bool is_cut = true; // of fields: by the planes of the scene's cut
 };
 
 /// Where the camera is at a time of a sequence.

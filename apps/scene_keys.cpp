@@ -303,7 +303,12 @@ SceneTable object_table() {
                 "In place of [shading] colour; that of a csg is for those of its objects that have "
                 "none"),
          colour("cut_colour", object(&SceneObject::cut_colour),
-                "Where it is taken away from others, in place of `colour`")},
+                "Where it is taken away from others, and where planes cut it, in place of "
+                "`colour`"),
+         truth("shown", object(&SceneObject::is_shown),
+               "Whether it is drawn; operands are where the object is that combines them"),
+         truth("cut", object(&SceneObject::is_cut),
+               "Fields: whether the planes of [[cut.plane]] cut it")},
         [](const SceneFile& file) { return file.objects.size(); },
         [](SceneFile& file, std::size_t n) { file.objects.resize(n); }};
 }
@@ -506,7 +511,8 @@ SceneTable animate_table() {
 SceneTable cut_table() {
     constexpr auto cut = within([](SceneFile& file, std::size_t) -> Cut& { return file.cut; });
     return {"cut",
-            "Opens molecules, points and triangles; fields are cut by a csg.",
+            "How molecules, points and triangles are opened; fields have caps wherever planes cut "
+            "them.",
             {choice("look", cut(&Cut::look),
                     Names<CutLook>{{"inside", CutLook::Inside},
                                    {"flat", CutLook::Flat},
@@ -521,7 +527,8 @@ SceneTable cut_plane_table() {
     constexpr auto plane =
         within([](SceneFile& file, std::size_t i) -> CutPlane& { return file.cut.planes[i]; });
     return {"cut.plane",
-            "What is in front of a plane is cut away; 8 at most.",
+            "What is in front of a plane is cut away, of fields, too; 8 at most. A plane counts "
+            "as a field for each colour that it cuts, and 8 fields at most are drawn together.",
             {direction("normal", plane(&CutPlane::normal), "Of the plane, towards what goes"),
              number("offset", plane(&CutPlane::offset_world), {},
                     "How far along the normal the plane is from the world's origin [world]")},

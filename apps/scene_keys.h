@@ -35,6 +35,8 @@ struct SceneKey {
     std::function<std::optional<SceneValue>(const SceneFile&, std::size_t i,
                                             const std::filesystem::path& folder)>
         get;
+    /// Makes it what it is in a new scene; empty where that is not one member's matter.
+    std::function<void(SceneFile&, std::size_t i)> reset = {};
 };
 
 /// A table of a scene file, or an array of such.

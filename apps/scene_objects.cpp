@@ -6,6 +6,7 @@
 #include "distance_transform/mesh_files.h"
 #include "filtering/morph.h"
 #include "quadrics/quadratic_spline.h"
+#include "raycaster/shown_surfaces.h"
 #include "volume/errors.h"
 #include "volume/files.h"
 #include "volume/histogram.h"
@@ -41,9 +42,16 @@ std::vector<std::size_t> drawn_objects(const SceneFile& scene) {
         used.insert(operands_of(object).begin(), operands_of(object).end());
     std::vector<std::size_t> drawn;
     for (std::size_t i = 0; i < scene.objects.size(); ++i)
-        if (!used.contains(scene.objects[i].name) && !is_of_primitives(scene.objects[i]))
+        if (const SceneObject& object = scene.objects[i];
+            object.is_shown && !used.contains(object.name) && !is_of_primitives(object))
             drawn.push_back(i);
     return drawn;
+}
+
+void add_part(const ScenePart& part, Composition& out) {
+    const auto found = std::ranges::find(out.parts, part);
+    out.tree.push_back({CsgOperation::Object, static_cast<int>(found - out.parts.begin())});
+    if (found == out.parts.end()) out.parts.push_back(part);
 }
 
 /// Appends an object: its part of the tree, and what it is made of.
@@ -64,9 +72,7 @@ void add(const SceneFile& scene, std::size_t i, ScenePart around, Composition& o
     if (out.tree.size() >= most_steps)
         throw InputError(fmt::format("the csg of the scene has more than {} steps", most_steps));
     around.object = i;
-    const auto found = std::ranges::find(out.parts, around);
-    out.tree.push_back({CsgOperation::Object, static_cast<int>(found - out.parts.begin())});
-    if (found == out.parts.end()) out.parts.push_back(around);
+    add_part(around, out);
 }
 
 /// Quads as they are, triangles with a corner twice, and the fans of other faces.
@@ -117,8 +123,16 @@ std::vector<std::string> inputs_of(const SceneObject& object) {
 Composition composition_of(const SceneFile& scene) {
     Composition out;
     for (const std::size_t i : drawn_objects(scene)) {
+        const SceneObject& object = scene.objects[i];
         const bool is_first = out.tree.empty();
         add(scene, i, {}, out);
+        for (std::size_t k = 0; object.is_cut && k < scene.cut.planes.size(); ++k) {
+            add_part({.plane = k,
+                      .colour = object.cut_colour ? object.cut_colour : object.colour,
+                      .cut_colour = {}},
+                     out);
+            out.tree.push_back({CsgOperation::Difference});
+        }
         if (!is_first) out.tree.push_back({CsgOperation::Union});
     }
     return out;
@@ -448,6 +462,16 @@ CsgTree with_parts_divided(const CsgTree& tree, const std::vector<int>& first_ob
 
 } // namespace
 
+SceneObjects::Surface SceneObjects::plane_of(const SceneFile& scene, std::size_t plane,
+                                             const Eigen::AlignedBox3d& box_world) {
+    const CutPlane& cut = scene.cut.planes[plane];
+    MadePlane& kept = planes_[plane];
+    if (!kept.made.field || kept.normal != cut.normal || kept.box_world.min() != box_world.min() ||
+        kept.box_world.max() != box_world.max())
+        kept = {cut.normal, box_world, half_spaces(cut.normal, box_world)};
+    return {kept.made.field, kept.made.iso_of(cut.offset_world)};
+}
+
 Scene SceneObjects::compose(const SceneFile& scene, const Progress& progress,
                             const std::function<void(const std::string&)>& warn) {
     Making making(*this, scene, progress, warn);
@@ -456,10 +480,24 @@ Scene SceneObjects::compose(const SceneFile& scene, const Progress& progress,
               .storage = scene.storage,
               .quality = scene.quality,
               .tree = {}};
-    std::vector<int> first_objects; // of each part
+    std::vector<Surface> surfaces;
+    Eigen::AlignedBox3d box_world; // of all fields
     for (const ScenePart& part : composition.parts) {
-        const Surface surface = making.surface_of(part.object);
+        surfaces.push_back(part.plane ? Surface{} : making.surface_of(part.object));
+        if (const auto& field = surfaces.back().field)
+            box_world.extend(world_box(field->extent(), field->space()));
+    }
+    std::vector<int> first_objects; // of each part
+    for (std::size_t i = 0; i < surfaces.size(); ++i) {
+        const ScenePart& part = composition.parts[i];
         first_objects.push_back(static_cast<int>(out.objects.size()));
+        if (part.plane) {
+            const Surface plane = plane_of(scene, *part.plane, box_world);
+            out.objects.push_back(
+                {plane.field, plane.iso_world, Filter::BSpline, {}, part.colour, {}});
+            continue;
+        }
+        const Surface& surface = surfaces[i];
         for (const auto& field : fields_of(surface.field, surface.iso_world))
             out.objects.push_back({field, surface.iso_world,
                                    scene.objects[part.object].filter.value_or(scene.filter),
@@ -470,6 +508,7 @@ Scene SceneObjects::compose(const SceneFile& scene, const Progress& progress,
     auto primitives = std::make_shared<Primitives>();
     for (std::size_t i = 0; i < scene.objects.size(); ++i) {
         const SceneObject& object = scene.objects[i];
+        if (!object.is_shown) continue;
         if (object.glyphs) append(making.glyphs_of(i), {}, primitives->ellipsoids);
         if (!object.molecule.empty() && !object.surface) {
             MoleculeLook look = object.molecule_look;
@@ -494,6 +533,7 @@ Scene SceneObjects::compose(const SceneFile& scene, const Progress& progress,
     }
     for (std::size_t i = 0; i < scene.objects.size(); ++i) {
         const SceneObject& object = scene.objects[i];
+        if (!object.is_shown) continue;
         const auto add = [&](auto& meshes, auto mesh) {
             meshes.push_back(std::move(mesh));
             meshes.back().colour = object.colour.value_or(scene.look.material.colour);

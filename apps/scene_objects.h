@@ -7,6 +7,7 @@
 #include "apps/scene_file.h"
 #include "quadrics/tetrahedral_field.h"
 #include "raycaster/curved_points.h"
+#include "volume/half_space.h"
 #include "volume/progress.h"
 
 #include <array>
@@ -18,13 +19,17 @@ namespace isocast {
 /// An object with a field of its own, as a part of what is drawn.
 struct ScenePart {
     std::size_t object = 0; // in SceneFile::objects
+    /// In place of the object, what lies in front of this one of the cut's planes.
+    std::optional<std::size_t> plane = {};
     // Its own, or those of the csg that it is in.
     std::optional<Vec3d> colour;
     std::optional<Vec3d> cut_colour;
     bool operator==(const ScenePart&) const = default;
 };
 
-/// What a scene draws of fields: the union of the objects that no other one is made of.
+/// What a scene draws of fields: the union of the objects that no other one is made of, each
+/// without what the cut's planes take away. What is behind a cut has the colour of the object where
+/// it is cut; planes that cut several of one colour are one part.
 struct Composition {
     std::vector<ScenePart> parts; // each once, in the order in which the tree first names them
     CsgTree tree;                 // of these
@@ -96,12 +101,21 @@ private:
     TriangleMesh triangles_of(const SceneObject& object) const;
     PatchMesh patches_of(const SceneObject& object) const;
     class Making; // of one frame
+    /// The surface of a cut's plane, with a field that reaches over all of `box_world`.
+    Surface plane_of(const SceneFile& scene, std::size_t plane,
+                     const Eigen::AlignedBox3d& box_world);
 
     static SourceKey key_of(const SceneObject& object, const std::string& input);
 
     std::map<SourceKey, Source> sources_;
     std::map<std::size_t, Pair> pairs_; // of morphs, by object
     std::map<std::size_t, Placed> placed_;
+    struct MadePlane {
+        Vec3d normal = Vec3d::Zero();
+        Eigen::AlignedBox3d box_world;
+        HalfSpaces made;
+    };
+    std::map<std::size_t, MadePlane> planes_; // by plane
     std::vector<std::pair<MoleculeKey, std::shared_ptr<const Molecule>>> molecules_;
     std::map<std::string, PointData> points_;            // by path
     std::map<std::string, TetrahedralField> tetrahedra_; // by path

@@ -51,10 +51,10 @@ KeyVector on_path(const std::vector<CameraKey>& keys, const Camera& base, double
 
 Change change_of_key(const std::string& key) {
     const bool is_of_object = key.starts_with("object.");
-    return is_of_object && key.ends_with(".iso")         ? Change::Iso
-           : is_of_object || key.starts_with("quality.") ? Change::Load
-           : key.starts_with("camera.")                  ? Change::Nothing
-                                                         : Change::Look;
+    return is_of_object && key.ends_with(".iso")                                    ? Change::Iso
+           : is_of_object || key.starts_with("quality.") || key.starts_with("cut.") ? Change::Load
+           : key.starts_with("camera.") ? Change::Nothing
+                                        : Change::Look;
 }
 
 Change change_of(const SceneFile& scene) {

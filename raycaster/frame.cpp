@@ -193,6 +193,12 @@ Mat3d world_vector_coefficients(const Camera& camera, int width, int height, dou
            view_vector_coefficients(camera, width, height, depth_world);
 }
 
+Mat3d world_start_coefficients(const Camera& camera, int width, int height) {
+    return camera.view_from_world_rotation().transpose() *
+           (view_point_coefficients(camera, width, height, 1) -
+            view_vector_coefficients(camera, width, height, 1));
+}
+
 Vec3d eye_local(const Camera& camera, const GridSpace& space, const Index3& local_origin_index) {
     return space.to_index(camera.eye_world) - local_origin_index.cast<double>();
 }
@@ -206,6 +212,7 @@ gl::Format format_of(FrameImage image) {
     case FrameImage::Accessibility:
     case FrameImage::Refraction:
     case FrameImage::Reflection:
+    case FrameImage::Slice:
     case FrameImage::Beauty:
         return gl::Format::Rgba16f;
     case FrameImage::SplatSurface:

@@ -185,6 +185,9 @@ Eigen::Matrix3f world_from_view(const FrameContext& frame);
 Mat3d world_vector_coefficients(const Camera& camera, int width, int height,
                                 double depth_world = 1);
 
+/// Of the map to a ray's start from the eye [world], in world axes: 0 unless rays are parallel.
+Mat3d world_start_coefficients(const Camera& camera, int width, int height);
+
 /// The eye, in local index coordinates.
 Vec3d eye_local(const Camera& camera, const GridSpace& space, const Index3& local_origin_index);
 

@@ -37,6 +37,7 @@ std::string_view name_of(FrameImage image) {
                                                                     "ridges",
                                                                     "contours",
                                                                     "outlines",
+                                                                    "slice",
                                                                     "beauty"};
     return names.at(static_cast<std::size_t>(image));
 }

@@ -44,9 +44,10 @@ enum class FrameImage {
     Ridges,
     Contours,
     Outlines,
+    Slice,
     Beauty, // shaded colour, linear; coverage
 };
-inline constexpr int frame_image_count = 28;
+inline constexpr int frame_image_count = 29;
 
 std::string_view name_of(FrameImage image);
 

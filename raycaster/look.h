@@ -199,6 +199,21 @@ struct Outlines {
     bool operator==(const Outlines&) const = default;
 };
 
+/// A plane that shows the field of the scene's first object itself: tones by its distance from the
+/// iso value, lines where it is a multiple of `spacing_world`, a thick one where it is iso.
+struct Slice {
+    double strength = 0;
+    Vec3d normal = Vec3d::UnitZ();       // any length but 0
+    double offset_world = 0;             // of the unit normal
+    std::optional<double> spacing_world; // of lines; else as spacing_of() finds it
+    std::optional<double> range_world;   // of tones; else as range_of() finds it
+    Vec3d inside = Vec3d(0.10, 0.25, 0.65);
+    Vec3d outside = Vec3d(0.75, 0.35, 0.10);
+    Vec3d line = Vec3d(0.02, 0.02, 0.02);
+
+    bool operator==(const Slice&) const = default;
+};
+
 struct Effects {
     SolidTexture solid_texture;
     CurvatureColour curvature_colour;
@@ -212,6 +227,7 @@ struct Effects {
     Ridges ridges;
     Contours contours;
     Outlines outlines;
+    Slice slice;
 
     bool operator==(const Effects&) const = default;
 };

@@ -48,6 +48,7 @@ ImageSet images_changed(const Look& before, const Look& after) {
     unless(is_alike(old.ridges, now.ridges), FrameImage::Ridges);
     unless(is_alike(old.contours, now.contours), FrameImage::Contours);
     unless(is_alike(old.outlines, now.outlines), FrameImage::Outlines);
+    unless(is_alike(old.slice, now.slice), FrameImage::Slice);
     unless(casts_alike(casting_light(before), casting_light(after)), FrameImage::Shadow);
     unless(before == after, FrameImage::Beauty);
     return changed;

@@ -93,6 +93,7 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
          {FrameImage::OutlineSource},
          FrameImage::Outlines,
          [&frame] { run_outlines(frame); }},
+        {"slice", {FrameImage::Hit}, FrameImage::Slice, [&frame] { run_slice(frame); }},
     };
     for (Pass& pass : flow_passes(frame)) passes.push_back(std::move(pass));
     if (frame.scene.quality.splats == SplatShading::Direct)
@@ -111,7 +112,7 @@ std::vector<gl::ProgramKey> all_programs() {
           curvature_colour_programs(), curvature_map_programs(), uncertainty_programs(),
           flow_programs(), accessibility_programs(), occlusion_programs(), shadow_programs(),
           refraction_programs(), reflection_programs(), ridges_programs(), contours_programs(),
-          outlines_programs(), shading_programs()})
+          outlines_programs(), slice_programs(), shading_programs()})
         keys.insert(keys.end(), more.begin(), more.end());
     return keys;
 }

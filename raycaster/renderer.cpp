@@ -123,6 +123,7 @@ void Renderer::load(Scene scene, const Progress& progress) {
     if (scene.storage.over_budget == OverBudget::Coarsen && scene.curvature_scale_voxels > 0)
         throw InputError("coarse bricks cannot have curvatures at a scale");
     check_look(scene.look);
+    check_slice(scene.look.effects.slice, objects);
     if (scene.quality.splats == SplatShading::Direct) check_direct(scene.look, !objects.empty());
     if (scene.primitives) check(*scene.primitives);
     check(scene.cut);
@@ -164,13 +165,15 @@ void Renderer::load(Scene scene, const Progress& progress) {
 
 void Renderer::set_look(Look look) {
     check_look(look);
+    if (look.effects.slice.strength > 0) check_slice(look.effects.slice, objects_of(scene_));
     if (scene_.quality.splats == SplatShading::Direct) check_direct(look, !objects_.empty());
     const ImageSet changed = images_changed(scene_.look, look);
     for (DrawnPart& part : parts_) part.drawn.erase(changed);
     const Effects& old = scene_.look.effects;
     const Effects& now = look.effects;
     if (scene_.look.environment != look.environment || old.curvature_map != now.curvature_map ||
-        old.curvature_colour != now.curvature_colour || old.solid_texture != now.solid_texture)
+        old.curvature_colour != now.curvature_colour || old.solid_texture != now.solid_texture ||
+        old.slice.normal != now.slice.normal || old.slice.offset_world != now.slice.offset_world)
         look_textures_ = {};
     scene_.look = std::move(look);
 }

@@ -42,7 +42,8 @@ std::vector<Layer> live_layers(const FrameContext& frame) {
     if (frame.seen.splats)
         layers.insert(layers.begin(), {FrameImage::SplatColour, Blend::SurfaceColour, 1});
     std::erase_if(layers, [&](const Layer& layer) {
-        if (frame.places.run_count == 0) return true;
+        const bool is_anywhere = layer.image == FrameImage::Slice;
+        if (frame.places.run_count == 0 && !is_anywhere) return true;
         // Unlit colours know no light.
         const bool is_light =
             layer.blend == Blend::AmbientLight || layer.blend == Blend::DirectLight;
@@ -84,6 +85,7 @@ std::vector<Layer> layers_of(const Look& look) {
         {FrameImage::Reflection, Blend::Overlay, e.reflection.strength},
         {FrameImage::Contours, Blend::Overlay, e.contours.strength},
         {FrameImage::Outlines, Blend::Overlay, e.outlines.strength, true},
+        {FrameImage::Slice, Blend::Overlay, e.slice.strength},
     };
 }
 
@@ -187,7 +189,7 @@ void run_shading(FrameContext& frame) {
         bind_environment(frame);
     else
         program.set("u_background", to_float(look.background));
-    if (look.shows_environment) {
+    if (look.shows_environment || look.effects.slice.strength > 0) {
         draw_everywhere(frame, FrameImage::Beauty, program);
         return;
     }

@@ -38,11 +38,6 @@ constexpr std::array help{
     KeyHelp{"?", "this list"},
 };
 
-std::string words(std::string text) {
-    std::ranges::replace(text, '_', ' ');
-    return text;
-}
-
 /// On the canvas, in pixels from its top left corner; nothing behind the eye.
 std::optional<Eigen::Vector2d> seen_at(const Camera& camera, int width, int height,
                                        const Vec3d& p_world) {
@@ -101,26 +96,17 @@ bool Panels::header(const char* name, bool is_open) {
     return shows;
 }
 
-const SceneTable& Panels::table(std::string_view name) const {
-    return *std::ranges::find(tables_, name, &SceneTable::name);
-}
-
-std::string Panels::price(std::initializer_list<std::string_view> passes) const {
-    double sum = 0;
-    bool ran = false;
-    for (const PassReport& pass : viewer_.report().passes)
-        if (pass.ran && std::ranges::find(passes, pass.name) != passes.end()) {
-            sum += pass.milliseconds;
-            ran = true;
-        }
-    return ran ? fmt::format("{:.1f} ms", sum) : "";
-}
-
 void Panels::set(const SceneTable& table, std::size_t i, const SceneKey& key,
                  const SceneValue& value) {
+    change(table, i, key,
+           [&](SceneFile& scene) { key.set(scene, i, value, std::filesystem::current_path()); });
+}
+
+void Panels::change(const SceneTable& table, std::size_t i, const SceneKey& key,
+                    const std::function<void(SceneFile&)>& by) {
     SceneFile scene = viewer_.scene();
     try {
-        key.set(scene, i, value, std::filesystem::current_path());
+        by(scene);
     } catch (const std::exception& error) {
         viewer_.say(fmt::format("{}.{}: {}", table.name, key.name, error.what()));
         return;
@@ -139,9 +125,17 @@ void Panels::draw_key(const SceneTable& table, std::size_t i, const SceneKey& ke
     ImGui::PushID(full.c_str());
     const auto changed = key_widget(key, value, is_at_once, texts_[full]);
     mark(full);
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s\n%s", key.help.c_str(), key.type.c_str());
+    if (ImGui::IsItemHovered())
+        ImGui::SetTooltip("%s\n%s%s", key.help.c_str(), key.type.c_str(),
+                          key.reset ? "\nright click: as usual" : "");
+    const bool is_reset =
+        key.reset && ImGui::IsItemHovered() && ImGui::IsMouseClicked(ImGuiMouseButton_Right);
+    if (is_reset) texts_[full].clear();
     ImGui::PopID();
-    if (changed) set(table, i, key, *changed);
+    if (is_reset)
+        change(table, i, key, [&](SceneFile& scene) { key.reset(scene, i); });
+    else if (changed)
+        set(table, i, key, *changed);
 }
 
 void Panels::draw_keys(const SceneTable& table, std::size_t i) {
@@ -170,48 +164,6 @@ void Panels::draw_files() {
         if (ImGui::Selectable(std::filesystem::path(name).filename().string().c_str()))
             viewer_.add_file(name);
     ImGui::TextDisabled("Files can be dropped on the window, too.");
-}
-
-void Panels::draw_objects() {
-    if (!header("Objects", true)) return;
-    const SceneTable& objects = table("object");
-    for (std::size_t i = 0; i < viewer_.scene().objects.size(); ++i) {
-        ImGui::PushID(static_cast<int>(i));
-        if (i == 0 && viewer_.histogram() && !viewer_.loaded().objects.empty()) {
-            const Histogram& histogram = *viewer_.histogram();
-            std::vector<float> counts(histogram.counts.begin(), histogram.counts.end());
-            // The greatest peak would hide the rest.
-            for (float& count : counts) count = std::sqrt(count);
-            const ImVec2 size(ImGui::GetContentRegionAvail().x, 60 * scale_);
-            ImGui::PlotHistogram("##histogram", counts.data(), static_cast<int>(counts.size()), 0,
-                                 "values, root of their number", 0, FLT_MAX, size);
-            mark("histogram");
-            double iso = viewer_.loaded().objects.front().iso_world;
-            const double lo = histogram.edge(0);
-            const double hi = histogram.edge(counts.size());
-            const ImVec2 min = ImGui::GetItemRectMin();
-            const ImVec2 max = ImGui::GetItemRectMax();
-            const auto x = static_cast<float>(min.x + (iso - lo) / (hi - lo) * (max.x - min.x));
-            ImGui::GetWindowDrawList()->AddLine({x, min.y}, {x, max.y}, IM_COL32(255, 160, 0, 255),
-                                                2 * scale_);
-            ImGui::SetNextItemWidth(-40 * scale_);
-            const double asked = iso;
-            ImGui::SliderScalar("iso", ImGuiDataType_Double, &iso, &lo, &hi, "%.4g");
-            mark("iso");
-            if (iso != asked) set(objects, i, *objects.key("iso"), iso);
-        }
-        const std::string name = name_of(viewer_.scene(), i);
-        if (ImGui::TreeNode("keys", "%s", name.c_str())) {
-            draw_keys(objects, i);
-            if (viewer_.scene().objects.size() > 1 && ImGui::Button("Remove")) {
-                SceneFile scene = viewer_.scene();
-                scene.objects.erase(scene.objects.begin() + static_cast<std::ptrdiff_t>(i));
-                viewer_.open(std::move(scene));
-            }
-            ImGui::TreePop();
-        }
-        ImGui::PopID();
-    }
 }
 
 void Panels::draw_cost() {
@@ -422,46 +374,9 @@ void Panels::draw(double pixels_per_unit) {
             ImGui::TextDisabled("%s", price({"shading", "direct shading"}).c_str());
             draw_keys(table("shading"), 0);
         }
-        if (header("Effects", false))
-            for (const SceneTable& one : tables_) {
-                if (!one.name.starts_with("effects.")) continue;
-                const std::string name = words(one.name.substr(8));
-                ImGui::PushID(one.name.c_str());
-                const bool is_open = ImGui::TreeNode("effect", "%s", name.c_str());
-                mark(name);
-                if (const std::string cost = price({name}); !cost.empty()) {
-                    ImGui::SameLine(ImGui::GetContentRegionAvail().x - 40 * scale_);
-                    ImGui::TextDisabled("%s", cost.c_str());
-                }
-                if (is_open) {
-                    draw_keys(one, 0);
-                    ImGui::TreePop();
-                }
-                ImGui::PopID();
-            }
-        if (header("Lights", false)) {
-            const SceneTable& lights = table("light");
-            ImGui::TextDisabled("shadows %s", price({"shadow map", "shadow"}).c_str());
-            const std::size_t count = lights.count(viewer_.scene());
-            for (std::size_t i = 0; i < count; ++i)
-                if (ImGui::TreeNodeEx(reinterpret_cast<void*>(i + 1),
-                                      ImGuiTreeNodeFlags_DefaultOpen, "light %d",
-                                      static_cast<int>(i + 1))) {
-                    draw_keys(lights, i);
-                    ImGui::TreePop();
-                }
-            const auto resize = [&](std::size_t size) {
-                SceneFile scene = viewer_.scene();
-                lights.resize(scene, size);
-                viewer_.change(std::move(scene), "light.0.direction");
-            };
-            if (count < max_light_count && ImGui::Button("One more")) resize(count + 1);
-            if (count > 0) {
-                ImGui::SameLine();
-                if (ImGui::Button("One less")) resize(count - 1);
-            }
-        }
-        if (header("Cut", false)) draw_keys(table("cut"), 0);
+        draw_effects();
+        draw_lights();
+        draw_cuts();
         draw_cost();
         draw_probe();
         ImGui::End();

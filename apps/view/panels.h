@@ -36,6 +36,10 @@ private:
     void mark(const std::string& name);
     void draw_files();
     void draw_objects();
+    void draw_effects();
+    void draw_legends(const SceneTable& effect);
+    void draw_lights();
+    void draw_cuts();
     void draw_cost();
     void draw_probe();
     void draw_status();
@@ -50,6 +54,11 @@ private:
     /// "12.3 ms", of passes by name.
     std::string price(std::initializer_list<std::string_view> passes) const;
     void set(const SceneTable& table, std::size_t i, const SceneKey& key, const SceneValue& value);
+    void change(const SceneTable& table, std::size_t i, const SceneKey& key,
+                const std::function<void(SceneFile&)>& by);
+    /// The elements of a table of several, with buttons for one more and one less.
+    void draw_elements(const SceneTable& table, const char* name, std::size_t most);
+    void draw_histogram();
 
     Viewer& viewer_;
     float scale_;
@@ -66,6 +75,7 @@ private:
     std::map<std::string, std::array<float, 4>> places_;
     std::map<std::string, std::string> texts_; // that are being typed, by key
     std::string path_;
+    std::string found_range_; // of curvature colours, in words
 };
 
 } // namespace isocast::view

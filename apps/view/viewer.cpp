@@ -4,6 +4,7 @@
 #include "apps/picture.h"
 #include "apps/picture_file.h"
 #include "apps/view/navigation.h"
+#include "filtering/reconstruct.h"
 #include "volume/errors.h"
 
 #include <fmt/format.h>
@@ -239,6 +240,8 @@ void Viewer::count(const Step& step) {
             counted_.passes[i].milliseconds += step.report.passes[i].milliseconds;
             counted_.passes[i].ran |= step.report.passes[i].ran;
         }
+    // Parts beside all surfaces have none.
+    if (!step.report.notes.empty()) counted_.notes = step.report.notes;
     counted_milliseconds_ += step.milliseconds;
     if (step.is_coarse) {
         counted_milliseconds_ = 0;
@@ -382,6 +385,12 @@ std::optional<Probe> Viewer::probe(double x, double y) {
     const auto object = static_cast<std::size_t>(std::abs(hit.w())) - 1;
     if (object >= loaded_.objects.size()) return probe;
     probe.value_world = loaded_.objects[object].iso_world;
+    const std::vector<ScenePart> parts = composition_of(scene_).parts;
+    if (parts.size() == loaded_.objects.size() && parts[object].plane) {
+        const FieldSource& field = *loaded_.objects.front().field;
+        probe.value_world =
+            kernel_value(field, field.space().to_index(probe.p_world), Kernel::CatmullRom);
+    }
     const Eigen::Vector4d curvature = read(FrameImage::Curvature);
     probe.curvature = {curvature.x(), curvature.y()};
     probe.direction_1 = read(FrameImage::Direction).head<3>();

@@ -19,8 +19,10 @@ namespace isocast::view {
 /// What there is at a point of a surface.
 struct Probe {
     Vec3d p_world = Vec3d::Zero();
-    double value_world = 0; // of the field: the iso value of what was hit
-    double gradient = 0;    // its length
+    /// Of the field: the iso value of what was hit; in a cut what the first object's field is
+    /// there.
+    double value_world = 0;
+    double gradient = 0; // its length
     Vec3d normal = Vec3d::Zero();
     std::optional<std::array<double, 2>> curvature; // k1 >= k2 [1/world]
     Vec3d direction_1 = Vec3d::Zero();              // of k1, unit

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "raycaster/frame.h"
+#include "raycaster/shown_surfaces.h"
 
 namespace isocast {
 
@@ -31,6 +32,15 @@ void check_colour_effects(const Effects& effects);
 
 /// The images that a solid texture reads: what filters by the pixel's footprint needs normals.
 ImageSet solid_texture_reads(const SolidTexture& texture);
+
+/// The field of the first object where a plane meets it.
+void run_slice(FrameContext& frame);
+std::vector<gl::ProgramKey> slice_programs();
+/// throws  InputError where there is no such field, as in octrees; for numbers out of their range
+void check_slice(const Slice& slice, std::span<const FieldObject> objects);
+/// Between its lines, and from iso to the full tones [world].
+double spacing_of(const Slice& slice, const FieldSource& field);
+double range_of(const Slice& slice, const FieldSource& field);
 
 /// Binds the hits and their gradients, and sets the rays, of shaders/shading/surface.glsl.
 void set_surface_uniforms(const gl::Program& program, const FrameContext& frame);

@@ -44,9 +44,12 @@ TEST(Reference, DrawsWhereThereIsNoOpenGl) {
 
 TEST(Reference, ShowsWhatOpenGlShowsFromTheSameCamera) {
     const TemporaryFolder folder;
-    const std::vector<Words> inputs{{"field:gyroid@24"},
-                                    {"mesh:knot", "--resolution", "32"},
-                                    {"field:torus@24", "field:sphere@20", "--filter", "bspline"}};
+    const std::vector<Words> inputs{
+        {"field:gyroid@24"},
+        {"mesh:knot", "--resolution", "32"},
+        {"field:torus@24", "field:sphere@20", "--filter", "bspline"},
+        {"field:torus@24", "--set", "cut.plane.0.normal=[1,2,2]", "--set", "cut.plane.0.offset=0.6",
+         "--set", "cut.plane.1.normal=[-1,0,0.2]", "--set", "cut.plane.1.offset=0.7"}};
     for (const Words& input : inputs) {
         const Words render = Words{"render"} + input + small + Words{"--aov", "P,N,curvature,id"};
         checked_output(isocast(render + Words{"-o", folder / "gl.exr", "--backend", "osmesa"}));

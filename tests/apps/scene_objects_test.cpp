@@ -42,7 +42,10 @@ std::string postfix(const SceneFile& scene, const Composition& composition) {
     for (const CsgStep& step : composition.tree) {
         if (!text.empty()) text += ' ';
         const auto number = static_cast<std::size_t>(step.object);
-        text += step.operation == Object ? name_of(scene, composition.parts.at(number).object)
+        const bool is_object = step.operation == Object;
+        const auto plane = is_object ? composition.parts.at(number).plane : std::nullopt;
+        text += plane       ? fmt::format("plane.{}", *plane)
+                : is_object ? name_of(scene, composition.parts.at(number).object)
                 : step.operation == CsgOperation::Union        ? "+"
                 : step.operation == CsgOperation::Intersection ? "*"
                                                                : "-";
@@ -58,8 +61,43 @@ TEST(Composition, UnitesWhatNoOtherObjectIsMadeOf) {
     morph.morph = {"a", "c"};
     scene.objects.push_back(morph);
     EXPECT_EQ(postfix(scene, composition_of(scene)), "object.1 d + object.4 +");
+    scene.objects[1].is_shown = false;
+    EXPECT_EQ(postfix(scene, composition_of(scene)), "d object.4 +");
+    EXPECT_NO_THROW(check_scene(scene));
+    scene.objects[0].is_shown = false;
+    EXPECT_THROW(check_scene(scene), InputError) << "an operand";
     scene.objects = {leaf("a")};
     EXPECT_EQ(postfix(scene, composition_of(scene)), "a");
+    scene.objects[0].is_shown = false;
+    EXPECT_THROW(check_scene(scene), InputError) << "nothing is left";
+}
+
+TEST(Composition, TakesAwayFromEachObjectWhatPlanesCut) {
+    const Vec3d red(1, 0, 0);
+    SceneFile scene;
+    scene.objects = {leaf("a"), leaf("b", red), leaf("c"), leaf("d"),
+                     combined("e", SceneObject::Csg::Union, {"c", "d"})};
+    scene.objects[1].is_cut = false;
+    scene.cut.planes.resize(2);
+    const std::string text = "a plane.0 - plane.1 - b + c d + plane.0 - plane.1 - +";
+    EXPECT_EQ(postfix(scene, composition_of(scene)), text);
+    EXPECT_EQ(composition_of(scene).parts.size(), 6U) << "planes of one colour are one part";
+    scene.objects[4].cut_colour = red;
+    EXPECT_EQ(postfix(scene, composition_of(scene)), text);
+    const Composition composition = composition_of(scene);
+    ASSERT_EQ(composition.parts.size(), 8U);
+    EXPECT_EQ(composition.parts.back().colour, red);
+    EXPECT_EQ(composition.parts[1].colour, std::nullopt);
+    // Nine are too many.
+    EXPECT_NO_THROW(check_scene(scene));
+    scene.cut.planes.resize(3);
+    EXPECT_THROW(check_scene(scene), InputError);
+    scene.cut.planes.resize(1);
+    scene.cut.near_world = 1;
+    EXPECT_THROW(check_scene(scene), InputError) << "there are no primitives";
+    scene.cut.near_world.reset();
+    scene.objects[2].is_cut = false;
+    EXPECT_THROW(check_scene(scene), InputError) << "an operand";
 }
 
 TEST(Composition, NestsTreesAndHasEachFieldOnce) {
@@ -244,6 +282,59 @@ TEST_P(DifferenceOfBalls, HasTheSolidsSurfaceAndColours) {
     EXPECT_NEAR(hits, expected_hits, 1);
     EXPECT_GT(cuts, 300);
     EXPECT_GT(hits - cuts, 300);
+}
+
+TEST_F(ObjectScenes, PlanesCutBallsFlatAndKeepTheirFieldsWhileTheyMove) {
+    write_ball("a.nrrd", Vec3d::Zero(), 1);
+    const std::string text = "[[object]]\nfield = \"a.nrrd\"\niso = 0\ncut_colour = [0, 0, 1]\n"
+                             "colour = [1, 0, 0]\n[[cut.plane]]\nnormal = [3, 0, 4]\n"
+                             "offset = 0.4\n"
+                             "[camera]\neye = [0, 0, 5]\ntarget = [0, 0, 0]\nheight = 2.5\n"
+                             "[shading]\nmodel = \"flat\"\n";
+    checked_output(render(text, "a.exr", {"--aov", "P,N,id", "--size", "64x64"}));
+    const ExrFile exr(folder / "a.exr");
+    int hits = 0, caps = 0, expected_hits = 0;
+    for (int y = 0; y < 64; ++y)
+        for (int x = 0; x < 64; ++x) {
+            const auto i = static_cast<std::size_t>(64 * y + x);
+            const double px = 2.5 * ((x + 0.5) / 64 - 0.5);
+            const double py = 2.5 * (0.5 - (y + 0.5) / 64);
+            const double root = std::sqrt(std::max(1 - px * px - py * py, 0.0));
+            const double z_plane = (0.4 - 0.6 * px) / 0.8;
+            const bool is_solid = root > 0 && z_plane > -root;
+            expected_hits += is_solid;
+            const float id = exr.channels.at("id")[i];
+            if (id == 0) continue;
+            ++hits;
+            const bool is_cap = id == 2;
+            caps += is_cap;
+            const Vec3d p = exr.vector("P", i);
+            if (is_cap) {
+                // 1e-5 of the plane's cells, 1/64 of the ball's box of 3; and float's rounding of
+                // places and normals.
+                EXPECT_NEAR(Vec3d(0.6, 0, 0.8).dot(p), 0.4, 1e-6);
+                EXPECT_LT((exr.vector("N", i) - Vec3d(0.6, 0, 0.8)).norm(), 1e-5);
+                EXPECT_LT(p.norm(), 1 + 1e-4);
+            } else {
+                EXPECT_NEAR(p.norm(), 1, 1e-4); // as of DifferenceOfBalls
+                EXPECT_LT(0.6 * p.x() + 0.8 * p.z(), 0.4 + 1e-6);
+            }
+            EXPECT_EQ(exr.channels.at("R")[i], is_cap ? 0.0F : 1.0F);
+            EXPECT_EQ(exr.channels.at("B")[i], is_cap ? 1.0F : 0.0F);
+        }
+    EXPECT_NEAR(hits, expected_hits, 1); // as of DifferenceOfBalls
+    EXPECT_GT(caps, 300);
+    EXPECT_GT(hits - caps, 300);
+
+    SceneFile now = scene(text);
+    SceneObjects objects;
+    const Scene before = composed(objects, now);
+    now.cut.planes[0].offset_world = 0.5;
+    const Scene after = composed(objects, now);
+    EXPECT_EQ(before.objects[1].field, after.objects[1].field);
+    EXPECT_NEAR(before.objects[1].iso_world - after.objects[1].iso_world, 0.1, 1e-15);
+    now.objects[0].is_cut = false;
+    EXPECT_EQ(composed(objects, now).objects.size(), 1U);
 }
 
 TEST_F(ObjectScenes, AreScaledTurnedAndMoved) {

@@ -138,6 +138,11 @@ TEST_F(SceneText, EveryKeyAloneComesBack) {
             const auto value = change(scene, table, key);
             ASSERT_TRUE(value) << "no value for " << key.type;
             EXPECT_EQ(key.get(scene, 0, folder.path()), value);
+            if (key.reset) {
+                SceneFile as_new = scene;
+                key.reset(as_new, 0);
+                expect_equal(as_new, fresh, folder.path());
+            }
             // No other key tells of it.
             auto expected = fresh_values;
             expected[fmt::format("{}.0.{}", table.name, key.name)] = value;

@@ -182,6 +182,7 @@ const std::vector<LookOfTiles> looks_of_tiles{
     {"Ridges", [](Look& l) { l.effects.ridges.strength = 1; }},
     {"Contours", [](Look& l) { l.effects.contours.strength = 1; }},
     {"Outlines", [](Look& l) { l.effects.outlines.strength = 1; }},
+    {"Slice", [](Look& l) { l.effects.slice.strength = 1; }},
     {"AllLines",
      [](Look& l) {
          l.effects.ridges.strength = l.effects.contours.strength = l.effects.outlines.strength = 1;

@@ -92,6 +92,7 @@ const std::vector<EffectOfALook> all_effects{
      FrameImage::Outlines,
      [](Look& l) -> double& { return l.effects.outlines.strength; },
      {"outline source"}},
+    {"slice", FrameImage::Slice, [](Look& l) -> double& { return l.effects.slice.strength; }, {}},
 };
 
 /// Lit from the side, so that the torus throws a shadow on itself.

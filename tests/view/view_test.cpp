@@ -166,6 +166,51 @@ TEST(View, TakesFilesThatAreDropped) {
     EXPECT_EQ(session.wait_for_end(), 130);
 }
 
+TEST(View, HidesObjectsCutsAndSlicesThem) {
+    WindowSession session({"field:torus@48", "field:sphere@32"});
+    session.wait_for_rest();
+    int saved = 0;
+    const auto scene = [&] {
+        session.xdotool("mousemove 1000 600 key ctrl+s");
+        const std::string name = "isocast-" + std::to_string(++saved) + ".toml";
+        session.wait_until("a scene", 0, [&](const Json& line) {
+            return line.contains("message") && line["message"] == "saved " + name;
+        });
+        return read_scene_file(session.folder() / name);
+    };
+    session.click("shown 1");
+    session.wait_for_rest();
+    session.click("Cuts");
+    session.wait_for_rest();
+    session.click("one more plane");
+    session.wait_for_rest();
+    session.click("Cuts");
+    session.click("Objects");
+    session.click("Effects");
+    session.wait_for_rest();
+    session.click("slice", 0.1);
+    session.wait_for_rest();
+    const std::size_t mark = session.mark();
+    session.click("effects.slice.0.strength", 0.4);
+    session.wait_for_rest();
+    EXPECT_TRUE(passes_of(session.trace_since(mark)).contains("slice"));
+    const SceneFile changed = scene();
+    EXPECT_TRUE(changed.objects[0].is_shown);
+    EXPECT_FALSE(changed.objects[1].is_shown);
+    EXPECT_EQ(changed.cut.planes, std::vector<CutPlane>(1));
+    EXPECT_GT(changed.look.effects.slice.strength, 0);
+    EXPECT_EQ(session.events("scene").size(), 3u) << "the first, the hidden one, the cut one";
+
+    // The right button makes it what it was.
+    const auto place = session.place("effects.slice.0.strength");
+    session.xdotool("mousemove " + std::to_string(int(place[0] + 20)) + ' ' +
+                    std::to_string(int((place[1] + place[3]) / 2)) + " sleep 0.3 click 3");
+    session.wait_for_rest();
+    EXPECT_EQ(scene().look.effects.slice, Slice());
+    session.close();
+    EXPECT_EQ(session.wait_for_end(), 0);
+}
+
 TEST(View, CanBeClosedWhileItLoads) {
     WindowSession session({"mesh:sphere6", "--resolution", "1500"});
     session.xdotool("sleep 0.3");

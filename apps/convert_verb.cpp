@@ -9,8 +9,10 @@
 #include "apps/octree_output.h"
 #include "apps/parsed_option.h"
 #include "apps/points_input.h"
+#include "apps/slim_output.h"
 #include "apps/verdict_json.h"
 #include "distance_transform/convert.h"
+#include "quadrics/slim_file.h"
 #include "volume/errors.h"
 #include "volume/files.h"
 #include "volume/sparsify.h"
@@ -104,7 +106,7 @@ void check_command(const ConvertCommand& command) {
     const bool is_octree = command.method == Method::Octree;
     if (!is_octree && !command.max_error_world && command.octree.filter)
         throw UsageError("--interpolation needs --method octree or --max-error");
-    if (!is_octree && command.max_error_world &&
+    if (!is_octree && command.max_error_world && !is_slim_file(command.output) &&
         (command.voxel_size_world || command.resolution || command.method == Method::Points ||
          command.prism == PrismKind::Printed))
         throw UsageError("--max-error chooses the resolution of a mesh's exact distances: no "
@@ -302,9 +304,36 @@ ConvertReport run_job(const ConvertCommand& command, const Job& job, Console& co
     return report;
 }
 
+/// A surface of pieces of quadrics, no field.
+void run_slim(const ConvertCommand& command, const Job& job, Console& console) {
+    if (command.method != Method::Prism || command.prism != PrismKind::Exact ||
+        command.voxel_size_world || command.resolution || command.extend != Extend::None ||
+        command.device != Device::Cpu || command.closest || command.dry_run ||
+        command.sign != SignMethod::Auto || command.octree.filter || command.band_world)
+        throw UsageError("a .slim is no field: it has --max-error, --repair and --threads alone");
+    check_output(job.output, {".slim"});
+    const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
+                                      command.threads);
+    const Progress progress = console.progress();
+    progress("reading", 0);
+    CheckedMesh mesh = read_checked_mesh(input_from(job.input));
+    if (command.repair) mesh = repaired(mesh);
+    for (const std::string& warning : mesh.warnings)
+        console.warn(fmt::format("{}: {}", job.input, warning));
+    convert_to_slim(job.input, mesh, command.max_error_world, job.output, command.json,
+                    [&](std::string_view stage, double fraction) {
+                        progress(stage, fraction);
+                        if (fraction >= 1) console.end_progress();
+                    });
+}
+
 void run(const ConvertCommand& command, Console& console) {
     check_command(command);
     const std::vector<Job> jobs = jobs_of(command);
+    if (jobs.size() == 1 && is_slim_file(jobs.front().output)) {
+        run_slim(command, jobs.front(), console);
+        return;
+    }
     const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
                                       command.threads);
     if (jobs.size() == 1) {
@@ -358,7 +387,7 @@ void add_accuracy_options(CLI::App& app, ConvertCommand& command) {
     add_parsed(app, "--max-error", command.max_error_world, number_from,
                "What the surface may be off by, in units of the mesh: chooses the resolution, by "
                "`isocast accuracy`; of --method octree: the cells (default a thousandth of the "
-               "longest side)")
+               "longest side). Of a .slim a part of the box's diagonal (default 1e-3)")
         ->type_name("E");
 }
 
@@ -404,8 +433,10 @@ Verb convert_verb(CLI::App& program, std::vector<std::filesystem::path> shader_f
     app->add_option("IN", command->inputs,
                     "Mesh files (.obj .ply .stl .off) or mesh:NAME; points: also .xyz; or a .hoct")
         ->required();
-    app->add_option("-o,--output", command->output,
-                    "Field to write (.vdb; dense: .nrrd .mhd .vti; octree: .hoct)")
+    app->add_option(
+           "-o,--output", command->output,
+           "Field to write (.vdb; dense: .nrrd .mhd .vti; octree: .hoct), or pieces of quadrics "
+           "(.slim)")
         ->type_name("FILE");
     app->add_option("--out-dir", command->out_dir,
                     "Folder for one .vdb (octree: .hoct) for each input")

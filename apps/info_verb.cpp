@@ -4,10 +4,12 @@
 #include "apps/console.h"
 #include "apps/inputs.h"
 #include "apps/parsed_option.h"
+#include "apps/slim_output.h"
 #include "apps/verdict_json.h"
 #include "apps/volume_report.h"
 #include "distance_transform/prism.h"
 #include "quadrics/molecule.h"
+#include "quadrics/slim_file.h"
 #include "volume/errors.h"
 #include "volume/files.h"
 
@@ -249,6 +251,10 @@ void describe_molecule(const InfoCommand& command, const Molecule& molecule) {
 }
 
 void run(const InfoCommand& command, Console& console) {
+    if (is_slim_file(command.input)) {
+        describe_slim(command.input, command.json);
+        return;
+    }
     const Input input = input_from(command.input);
     if (input.is_mesh())
         describe_mesh(command, read_checked_mesh(input), console);
@@ -268,7 +274,7 @@ Verb info_verb(CLI::App& program) {
     app->add_option("IN", command->input,
                     "Mesh (.obj .ply .stl .off, mesh:NAME), molecule (.pdb .ent .cif .mmcif .xyz), "
                     "field (.vdb, FILE.vdb:GRID, "
-                    "field:NAME@N) or volume (.nrrd .nhdr .mhd .mha .nii .nii.gz)")
+                    "field:NAME@N), volume (.nrrd .nhdr .mhd .mha .nii .nii.gz) or .slim")
         ->required();
     app->add_flag("--prisms", command->prisms,
                   "Of a mesh: count saddle vertices, and gaps between printed prisms (table 4.1)");

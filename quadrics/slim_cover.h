@@ -1,0 +1,36 @@
+// From a mesh to a SLIM surface.
+// SPDX-License-Identifier: MPL-2.0
+#pragma once
+
+#include "quadrics/slim.h"
+#include "quadrics/triangles.h"
+#include "volume/progress.h"
+
+namespace isocast {
+
+struct SlimOptions {
+    double max_error_world = 0;
+    double crease_degrees = 40; // faces that turn more may be cut from one another
+};
+
+struct SlimReport {
+    std::size_t tried = 0;           // patches that others made needless
+    std::size_t with_planes = 0;     // of the patches
+    std::size_t over_bound = 0;      // of the least size, planes that do not keep the error
+    double greatest_error_world = 0; // bounded, of all patches
+};
+
+/// Covers a mesh by spheres, each with a patch that keeps the error: centres are taken at random
+/// from what is not covered yet, and spheres grow as far as their patch keeps it. Every point of
+/// the mesh lies, with a triangle around it, within 0.85 of the radius of a patch whose part of the
+/// mesh it belongs to, and by more than the error within its sphere: what is not is cut in four
+/// until it is. Patches that the others make needless then go, the smallest first.
+///
+/// options  max_error_world above 0
+/// returns  bit for bit the same for any number of threads
+/// throws   InputError as SlimMesh; Interrupted by `progress`
+/// source   Ohtake, Belyaev, Alexa 2005, of points; ours is of the mesh, and proves what it covers
+SlimSurface slim_of(const TriangleMesh& mesh, const SlimOptions& options, SlimReport& report,
+                    const Progress& progress = {});
+
+} // namespace isocast

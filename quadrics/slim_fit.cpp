@@ -1,0 +1,324 @@
+// SPDX-License-Identifier: MPL-2.0
+#include "quadrics/slim_fit.h"
+
+#include <Eigen/Dense>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+namespace isocast {
+
+namespace {
+
+/// Of leaves' edges, by the radius: a dozen leaves a sphere, where triangles are larger than it.
+constexpr double leaf_share = 0.7;
+/// Of what lies between the samples, in the least squares: it decides only what they leave open.
+constexpr double between_weight = 0.1;
+/// Twice as many as a patch has coefficients leave nothing open.
+constexpr std::size_t enough_samples = 12;
+/// Faces that turn more from a patch's normal are no graph over its plane that would do: heights
+/// are then three times the distance.
+constexpr double least_cosine = 1.0 / 3;
+/// Chains of ends turn by less than 45 degrees at a vertex.
+constexpr double least_turn_cosine = std::numbers::sqrt2 / 2;
+
+/// The part of a segment in a sphere about 0; nothing if it passes by.
+std::optional<std::array<Vec3d, 2>> within_sphere(const Vec3d& a, const Vec3d& b, double radius) {
+    const Vec3d d = b - a;
+    const double length2 = d.squaredNorm();
+    const double middle = -a.dot(d) / length2;
+    const double spare = radius * radius - (a + middle * d).squaredNorm();
+    if (!(spare > 0)) return std::nullopt;
+    const double half = std::sqrt(spare / length2);
+    const double from = std::max(middle - half, 0.0);
+    const double to = std::min(middle + half, 1.0);
+    if (!(from < to)) return std::nullopt;
+    return std::array<Vec3d, 2>{a + from * d, a + to * d};
+}
+
+} // namespace
+
+SlimFitter::SlimFitter(const SlimMesh& mesh)
+    : mesh_(mesh), visits_(mesh.size(), 0), vertex_visits_(mesh.vertex_count(), 0) {}
+
+void SlimFitter::add_leaves(std::size_t triangle, const Mat3d& corners_barycentric,
+                            const Vec3d& centre_world, double radius_world) {
+    const Mat3d& l = corners_barycentric;
+    Mat3d middles;
+    Leaf leaf{.spare_world = mesh_.spare_world(triangle)};
+    Vec3d sum = Vec3d::Zero();
+    double longest2 = 0;
+    for (int k = 0; k < 3; ++k) {
+        const auto to = static_cast<std::size_t>(k);
+        middles.col(k) = (l.col(k) + l.col((k + 1) % 3)) / 2;
+        leaf.corners[to] = mesh_.point(triangle, l.col(k)) - centre_world;
+        leaf.middles[to] = mesh_.point(triangle, middles.col(k)) - centre_world;
+        sum += leaf.corners[to];
+    }
+    double reach2 = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        reach2 = std::max(reach2, (leaf.corners[k] - sum / 3).squaredNorm());
+        longest2 = std::max(longest2, (leaf.corners[(k + 1) % 3] - leaf.corners[k]).squaredNorm());
+    }
+    if ((sum / 3).norm() - std::sqrt(reach2) - leaf.spare_world >= radius_world) return;
+    if (longest2 <= leaf_share * leaf_share * radius_world * radius_world) {
+        leaves_.push_back(leaf);
+        return;
+    }
+    for (int k = 0; k < 3; ++k) {
+        Mat3d part; // turning as the whole does
+        part << middles.col(k), l.col((k + 1) % 3), middles.col((k + 1) % 3);
+        add_leaves(triangle, part, centre_world, radius_world);
+    }
+    add_leaves(triangle, middles, centre_world, radius_world);
+}
+
+void SlimFitter::collect(int triangle, const Vec3d& centre_world, double radius_world,
+                         bool crosses_creases) {
+    part_.assign(1, triangle);
+    ends_.clear();
+    leaves_.clear();
+    samples_.clear();
+    has_creases_ = false;
+    visits_[static_cast<std::size_t>(triangle)] = ++visit_;
+    for (std::size_t at = 0; at < part_.size(); ++at) {
+        const auto i = static_cast<std::size_t>(part_[at]);
+        const std::array<int, 3>& corners = mesh_.corners_of(i);
+        std::array<Vec3d, 3> p;
+        for (std::size_t k = 0; k < 3; ++k) p[k] = mesh_.vertex(corners[k]) - centre_world;
+        if (mesh_.longest_world(i) <= leaf_share * radius_world) {
+            const auto middle = [&](std::size_t k) -> Vec3d {
+                return (p[k] + p[(k + 1) % 3]) / 2 + mesh_.bow(i, k);
+            };
+            leaves_.push_back({p, {middle(0), middle(1), middle(2)}, mesh_.spare_world(i)});
+        } else {
+            add_leaves(i, Mat3d::Identity(), centre_world, radius_world);
+        }
+        for (std::size_t k = 0; k < 3; ++k) {
+            auto& visit = vertex_visits_[static_cast<std::size_t>(corners[k])];
+            if (visit == visit_ || !(p[k].squaredNorm() < radius_world * radius_world)) continue;
+            visit = visit_;
+            samples_.push_back({p[k], mesh_.area_of_vertex(corners[k])});
+        }
+        for (std::size_t k = 0; k < 3; ++k) {
+            const SlimMesh::Side& side = mesh_.side(i, k);
+            const std::size_t next = (k + 1) % 3;
+            const bool is_end = side.neighbour < 0 || (side.is_crease && !crosses_creases);
+            if (!is_end && visits_[static_cast<std::size_t>(side.neighbour)] == visit_ &&
+                !side.is_crease)
+                continue;
+            const Vec3d middle = (p[k] + p[next]) / 2 + mesh_.bow(i, k);
+            const std::array halves{within_sphere(p[k], middle, radius_world),
+                                    within_sphere(middle, p[next], radius_world)};
+            if (!halves[0] && !halves[1]) continue;
+            has_creases_ = has_creases_ || side.is_crease;
+            if (is_end) {
+                const Vec3d& n = mesh_.normal(i);
+                const Vec3d beyond = side.neighbour < 0
+                                         ? Vec3d(Vec3d::Zero())
+                                         : mesh_.normal(static_cast<std::size_t>(side.neighbour));
+                for (const auto& half : halves)
+                    if (half)
+                        ends_.push_back({(*half)[0], (*half)[1], corners[k], corners[next],
+                                         n.cross((p[next] - p[k]).normalized()), n, beyond});
+            } else if (auto& visit = visits_[static_cast<std::size_t>(side.neighbour)];
+                       visit != visit_) {
+                visit = visit_;
+                part_.push_back(side.neighbour);
+            }
+        }
+    }
+}
+
+bool SlimFitter::is_graph(const Vec3d& normal, double cosine) const {
+    return std::ranges::all_of(part_, [&](int i) {
+        return mesh_.normal(static_cast<std::size_t>(i)).dot(normal) >= cosine;
+    });
+}
+
+SlimPatch SlimFitter::fitted(const Vec3d& centre_world, double radius_world) const {
+    SlimPatch patch{.centre_world = centre_world, .radius_world = radius_world};
+    Vec3d normal = Vec3d::Zero();
+    for (const Leaf& leaf : leaves_)
+        normal += (leaf.corners[1] - leaf.corners[0]).cross(leaf.corners[2] - leaf.corners[0]);
+    if (normal.isZero(0)) normal = mesh_.normal(static_cast<std::size_t>(part_.front()));
+    patch.normal = normal.stableNormalized();
+    const Mat3d axes_by_radius = slim_axes(patch.normal) / radius_world;
+    using Vector6 = Eigen::Matrix<double, 6, 1>;
+    using Matrix6 = Eigen::Matrix<double, 6, 6>;
+    Matrix6 sum = Matrix6::Zero();
+    Vector6 right = Vector6::Zero();
+    const auto add = [&](const Vec3d& p, double weight) {
+        const Vec3d q = axes_by_radius.transpose() * p;
+        Vector6 basis;
+        basis << 1, q.x(), q.y(), q.x() * q.x(), q.x() * q.y(), q.y() * q.y();
+        sum.noalias() += weight * basis * basis.transpose();
+        right += weight * q.z() * basis;
+    };
+    for (const Leaf& leaf : leaves_) {
+        if (samples_.size() >= enough_samples) break;
+        const auto& [a, b, c] = leaf.corners;
+        const double weight = between_weight * (b - a).cross(c - a).norm();
+        for (const Vec3d& p : leaf.middles) add(p, weight);
+    }
+    for (const Sample& sample : samples_) add(sample.p, sample.weight);
+    // 1e-12: what lies on a line or in a strip leaves some bends open, which then become 0.
+    sum += 1e-12 * sum.trace() * Matrix6::Identity();
+    const Vector6 h = sum.ldlt().solve(right);
+    const double r = radius_world;
+    patch.height = {h[0] * r, h[1], h[2], h[3] / r, h[4] / r, h[5] / r};
+    return patch;
+}
+
+double SlimFitter::residual(const SlimPatch& patch) const {
+    const Mat3d axes = slim_axes(patch.normal);
+    const auto& h = patch.height;
+    const auto off = [&](const Vec3d& p) {
+        const Vec3d q = axes.transpose() * p;
+        return q.z() - (h[0] + q.x() * (h[1] + q.x() * h[3] + q.y() * h[4]) +
+                        q.y() * (h[2] + q.y() * h[5]));
+    };
+    double greatest = 0;
+    for (const Sample& sample : samples_) greatest = std::max(greatest, std::abs(off(sample.p)));
+    for (const Leaf& leaf : leaves_)
+        for (const auto* points : {&leaf.corners, &leaf.middles})
+            for (const Vec3d& p : *points)
+                if (p.squaredNorm() < patch.radius_world * patch.radius_world)
+                    greatest = std::max(greatest, std::abs(off(p)) - leaf.spare_world);
+    return greatest;
+}
+
+int SlimFitter::group_ends() {
+    for (End& end : ends_) end.chain = -1;
+    int count = 0;
+    for (std::size_t first = 0; first < ends_.size(); ++first) {
+        if (ends_[first].chain >= 0) continue;
+        ends_[first].chain = count;
+        std::vector<std::size_t> open{first};
+        while (!open.empty()) {
+            const End one = ends_[open.back()];
+            open.pop_back();
+            for (std::size_t j = 0; j < ends_.size(); ++j) {
+                End& other = ends_[j];
+                if (other.chain >= 0) continue;
+                const bool follows = other.from == one.to || other.to == one.from ||
+                                     (other.from == one.from && other.to == one.to);
+                const Vec3d d = (one.b - one.a).normalized();
+                if (!follows || d.dot((other.b - other.a).normalized()) < least_turn_cosine)
+                    continue;
+                other.chain = count;
+                open.push_back(j);
+            }
+        }
+        ++count;
+    }
+    return count;
+}
+
+bool SlimFitter::clip(SlimPatch& patch, double max_error_world) {
+    const int count = group_ends();
+    if (count > 2) return false;
+    const double spare = max_error_world / 2;
+    for (int chain = 0; chain < count; ++chain) {
+        Vec3d inwards = Vec3d::Zero();
+        Vec3d normal = Vec3d::Zero();
+        Vec3d beyond = Vec3d::Zero();
+        Vec3d middle = Vec3d::Zero();
+        double length = 0;
+        for (const End& end : ends_) {
+            if (end.chain != chain) continue;
+            const double part = (end.b - end.a).norm();
+            length += part;
+            middle += part / 2 * (end.a + end.b);
+            inwards += part * end.inwards;
+            normal += part * end.normal;
+            beyond += part * end.beyond;
+        }
+        if (!(length > 0) || normal.isZero(0) || inwards.isZero(0)) return false;
+        middle /= length;
+        normal.normalize();
+        beyond /= length;
+        Mat3d spread = Mat3d::Zero();
+        for (const End& end : ends_) {
+            if (end.chain != chain) continue;
+            for (const Vec3d& p : {end.a, end.b})
+                spread += (end.b - end.a).norm() * (p - middle) * (p - middle).transpose();
+        }
+        const Eigen::SelfAdjointEigenSolver<Mat3d> solver(spread);
+        const Vec3d along = solver.eigenvectors().col(2);
+        // Halfway between the two faces; in the face beyond; through an arc.
+        double least = spare / 2;
+        SlimPlane& plane = patch.planes[static_cast<std::size_t>(chain)];
+        bool is_found = false;
+        for (Vec3d m :
+             {Vec3d(along.cross(normal + beyond)), beyond, Vec3d(solver.eigenvectors().col(0))}) {
+            if (!(m.norm() > 1e-3)) continue;
+            m.normalize();
+            if (m.dot(inwards) < 0) m = -m;
+            const double across = normal.cross(m).norm(); // of the angle with the face
+            if (across < 0.4) continue; // as a face that is seen edge-on by 24 degrees
+            double lowest = 0;
+            double off = 0;
+            for (const End& end : ends_)
+                if (end.chain == chain)
+                    for (const Vec3d& p : {end.a, end.b}) {
+                        lowest = std::min(lowest, m.dot(p - middle));
+                        off = std::max(off, std::abs(m.dot(p - middle)) / across);
+                    }
+            if (!(off <= least)) continue;
+            least = off;
+            is_found = true;
+            plane = {m, -m.dot(middle) - lowest + spare * across};
+        }
+        if (!is_found) return false;
+    }
+    patch.plane_count = count;
+    const auto keeps_all = [&] {
+        return std::ranges::all_of(leaves_, [&](const Leaf& leaf) {
+            return std::ranges::all_of(leaf.corners, [&](const Vec3d& p) {
+                return p.norm() >= patch.radius_world || is_kept(patch, p);
+            });
+        });
+    };
+    if (keeps_all()) return true;
+    if (count < 2) return false;
+    patch.is_any = true;
+    // Each plane's own end must be one: what the other keeps is no farther.
+    return keeps_all() && std::ranges::all_of(ends_, [&](const End& end) {
+               const SlimPlane& other = patch.planes[end.chain == 0 ? 1 : 0];
+               return other.side_of(end.a) <= 2 * spare && other.side_of(end.b) <= 2 * spare;
+           });
+}
+
+std::optional<SlimPiece> SlimFitter::fit_collected(const Vec3d& centre_world, double radius_world,
+                                                   double max_error_world) {
+    SlimPiece piece{.patch = fitted(centre_world, radius_world)};
+    if (!is_graph(piece.patch.normal, least_cosine)) return std::nullopt;
+    piece.residual_world = residual(piece.patch);
+    if (!(piece.residual_world <= (ends_.empty() ? 1 : 0.5) * max_error_world)) return std::nullopt;
+    if (!ends_.empty() && !clip(piece.patch, max_error_world)) return std::nullopt;
+    piece.triangles = part_;
+    return piece;
+}
+
+std::optional<SlimPiece> SlimFitter::fit(int triangle, const Vec3d& centre_world,
+                                         double radius_world, double max_error_world) {
+    collect(triangle, centre_world, radius_world, true);
+    auto piece = fit_collected(centre_world, radius_world, max_error_world);
+    if (piece || !has_creases_) return piece;
+    collect(triangle, centre_world, radius_world, false);
+    return fit_collected(centre_world, radius_world, max_error_world);
+}
+
+SlimPiece SlimFitter::fall_back(int triangle, const Vec3d& centre_world, double radius_world) {
+    collect(triangle, centre_world, radius_world, false);
+    SlimPiece piece{.patch = fitted(centre_world, radius_world)};
+    piece.patch.height = {};
+    piece.residual_world = residual(piece.patch);
+    piece.triangles = part_;
+    return piece;
+}
+
+} // namespace isocast

@@ -1,0 +1,65 @@
+// `convert -o X.slim` and `info X.slim`.
+// SPDX-License-Identifier: MPL-2.0
+#include "../volume/temporary_folder.h"
+#include "program.h"
+#include "quadrics/slim_file.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <fstream>
+
+namespace isocast::test {
+namespace {
+
+using Json = nlohmann::json;
+
+struct ConvertToSlim : testing::Test {
+    TemporaryFolder folder;
+    Outcome convert(std::vector<std::string> more) {
+        std::vector<std::string> words{"convert", "mesh:torus"};
+        words.insert(words.end(), more.begin(), more.end());
+        return isocast(words);
+    }
+};
+
+TEST_F(ConvertToSlim, ReportsWhatTheFileHolds) {
+    const Json made = Json::parse(checked_output(convert({"-o", folder / "a.slim", "--json"})));
+    const SlimSurface surface = read_slim(folder / "a.slim");
+    EXPECT_EQ(made["patches"], surface.patches.size());
+    EXPECT_EQ(made["over_bound"], 0);
+    EXPECT_LE(made["greatest_error"], made["max_error"]);
+    EXPECT_GT(made["patches"], 10);
+    EXPECT_LT(made["patches"], made["triangles"]);
+    const Json info = Json::parse(checked_output(isocast({"info", folder / "a.slim", "--json"})));
+    EXPECT_EQ(info["patches"], made["patches"]);
+    EXPECT_EQ(info["closed"], true);
+    EXPECT_EQ(info["max_error"], made["max_error"]);
+}
+
+TEST_F(ConvertToSlim, ErrorIsAPartOfTheDiagonal) {
+    const auto max_error = [&](const char* share) {
+        checked_output(convert({"-o", folder / "a.slim", "--max-error", share}));
+        return read_slim(folder / "a.slim").max_error_world;
+    };
+    EXPECT_NEAR(max_error("1e-2") / max_error("2e-3"), 5, 1e-12); // roundings of two products
+    EXPECT_EQ(convert({"-o", folder / "b.slim", "--max-error", "0"}).code, 2);
+    EXPECT_EQ(convert({"-o", folder / "b.slim", "--max-error", "1"}).code, 2);
+}
+
+TEST_F(ConvertToSlim, RefusesWhatOnlyFieldsHave) {
+    for (const char* option : {"--closest", "--dry-run"})
+        EXPECT_EQ(convert({"-o", folder / "a.slim", option}).code, 2) << option;
+    EXPECT_EQ(convert({"-o", folder / "a.slim", "--resolution", "64"}).code, 2);
+    EXPECT_EQ(convert({"-o", folder / "a.slim", "--method", "octree"}).code, 2);
+    EXPECT_FALSE(std::filesystem::exists(folder / "a.slim"));
+}
+
+TEST_F(ConvertToSlim, DamagedFilesAreRefused) {
+    std::ofstream(folder / "a.slim") << "isoSLIM\n and no more";
+    EXPECT_EQ(isocast({"info", folder / "a.slim"}).code, 3);
+    EXPECT_EQ(isocast({"info", folder / "none.slim"}).code, 3);
+}
+
+} // namespace
+} // namespace isocast::test

@@ -189,6 +189,7 @@ private:
 layout(std430, binding = 5) buffer Fetches { uint fetches; };
 vec4 counted(samplerBuffer s, int at) { atomicAdd(fetches, 1u); return texelFetch(s, at); }
 vec4 counted(sampler2D s, ivec2 at, int level) { return texelFetch(s, at, level); }
+vec4 counted(sampler3D s, ivec3 at, int level) { return texelFetch(s, at, level); }
 uvec4 counted(usamplerBuffer s, int at) { return texelFetch(s, at); }
 ivec4 counted(isamplerBuffer s, int at) { return texelFetch(s, at); }
 #define texelFetch counted

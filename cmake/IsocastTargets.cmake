@@ -38,7 +38,7 @@ function(isocast_folder folder)
         # gcc 12 takes Eigen's empty vectors for uninitialised, and strings for short ones, where it
         # knows headers from such files.
         target_compile_options(
-            isocast_${folder} PRIVATE -Wno-maybe-uninitialized -Wno-array-bounds
-                                      -Wno-stringop-overflow -Wno-stringop-overread)
+            isocast_${folder}
+            PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized;-Wno-array-bounds;-Wno-stringop-overflow;-Wno-stringop-overread>)
     endif()
 endfunction()

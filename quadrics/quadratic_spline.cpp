@@ -67,25 +67,9 @@ public:
         return out;
     }
 
-    /// Whether the function is greater than `iso` all over the cells at the border, whose
-    /// coefficients may_cross() bounds.
-    bool is_closed(double iso) const {
-        const auto is_open = [&](const Index3& cell) {
-            return at(cell) <= iso || may_cross(cell, iso);
-        };
-        for (int axis = 0; axis < 3; ++axis) {
-            Index3 cells = box_.size().array() - 1;
-            cells[axis] = 1;
-            for (int side = 0; side < 2; ++side) {
-                for (int i = 0; i < cells.x() * cells.y() * cells.z(); ++i) {
-                    Index3 cell = box_.lo + Index3(i % cells.x(), i / cells.x() % cells.y(),
-                                                   i / (cells.x() * cells.y()));
-                    if (side == 1) cell[axis] = box_.hi[axis] - 2;
-                    if (is_open(cell)) return false;
-                }
-            }
-        }
-        return true;
+    bool is_at_border(const Index3& cell) const {
+        return (cell.array() == box_.lo.array()).any() ||
+               (cell.array() + 2 == box_.hi.array()).any();
     }
 
     /// Whether the function may be `iso` in a cell. Coefficients lie within 1.5 times the range of
@@ -117,7 +101,15 @@ public:
     Spline(const FieldSource& field, const Samples& samples, double iso)
         : space_(field.space()), samples_(samples), iso_(iso) {}
 
+    /// The surface does not reach the cells at the border, and these are outside it.
+    bool is_closed() const { return is_closed_; }
+
     void add_cell(const Index3& cell) {
+        const bool is_at_border = samples_.is_at_border(cell);
+        if (!samples_.may_cross(cell, iso_)) {
+            if (is_at_border && samples_.at(cell) <= iso_) is_closed_ = false;
+            return;
+        }
         const Index3 middle = (2 * cell.array() + 1).matrix();
         std::array<Tangent, 27> tangents; // of halves from the middle, by 1 + offset
         for (int k = 0; k < 27; ++k) {
@@ -134,15 +126,18 @@ public:
                 const std::array<Index3, 4> ring{face - a - b, face + a - b, face + a + b,
                                                  face - a + b};
                 for (std::size_t i = 0; i < 4; ++i)
-                    add_tetrahedron(middle, {Index3::Zero(), face, ring[i], ring[(i + 1) % 4]},
-                                    tangents);
+                    if (add_tetrahedron(middle, {Index3::Zero(), face, ring[i], ring[(i + 1) % 4]},
+                                        tangents) <= 0 &&
+                        is_at_border)
+                        is_closed_ = false;
             }
     }
     TetrahedralMesh take() { return std::move(mesh_); }
 
 private:
-    void add_tetrahedron(const Index3& middle, const std::array<Index3, 4>& offsets,
-                         const std::array<Tangent, 27>& tangents) {
+    /// returns  the least coefficient: the function is no less
+    float add_tetrahedron(const Index3& middle, const std::array<Index3, 4>& offsets,
+                          const std::array<Tangent, 27>& tangents) {
         const auto tangent = [&](std::size_t k) -> const Tangent& {
             const Index3 at = (offsets[k].array() + 1).matrix();
             return tangents[static_cast<std::size_t>(at.x() + 3 * at.y() + 9 * at.z())];
@@ -159,10 +154,11 @@ private:
             coefficients[4 + e] = static_cast<float>((from_k + from_l) / 2 - iso_);
         }
         const auto [least, greatest] = std::ranges::minmax(coefficients);
-        if (least > 0 || greatest < 0) return; // its corners need no number
+        if (least > 0 || greatest < 0) return least; // its corners need no number
         std::array<int, 4> corners{};
         for (std::size_t k = 0; k < 4; ++k) corners[k] = vertex(middle + offsets[k]);
         append(mesh_, corners, coefficients);
+        return least;
     }
 
     int vertex(const Index3& halves) {
@@ -179,6 +175,7 @@ private:
     GridSpace space_;
     const Samples& samples_;
     double iso_;
+    bool is_closed_ = true;
     TetrahedralMesh mesh_;
     std::unordered_map<std::int64_t, int> numbers_; // of vertices, by their place
 };
@@ -193,11 +190,10 @@ TetrahedralMesh quadratic_spline(const FieldSource& field, double iso_world,
     for (int z = box.lo.z(); z + 1 < box.hi.z(); ++z) {
         if (progress) progress("spline", double(z - box.lo.z()) / box.size().z());
         for (int y = box.lo.y(); y + 1 < box.hi.y(); ++y)
-            for (int x = box.lo.x(); x + 1 < box.hi.x(); ++x)
-                if (samples.may_cross({x, y, z}, iso_world)) spline.add_cell({x, y, z});
+            for (int x = box.lo.x(); x + 1 < box.hi.x(); ++x) spline.add_cell({x, y, z});
     }
     TetrahedralMesh mesh = spline.take();
-    mesh.is_closed = samples.is_closed(iso_world);
+    mesh.is_closed = spline.is_closed();
     return mesh;
 }
 

@@ -178,12 +178,17 @@ TEST(View, HidesObjectsCutsAndSlicesThem) {
         });
         return read_scene_file(session.folder() / name);
     };
+    const auto wait_for_scenes = [&](std::size_t count) {
+        session.wait_until("a scene", 0,
+                           [&](const Json&) { return session.events("scene").size() == count; });
+        session.wait_for_rest();
+    };
     session.click("shown 1");
-    session.wait_for_rest();
+    wait_for_scenes(2);
     session.click("Cuts");
     session.wait_for_rest();
     session.click("one more plane");
-    session.wait_for_rest();
+    wait_for_scenes(3);
     session.click("Cuts");
     session.click("Objects");
     session.click("Effects");
@@ -192,8 +197,10 @@ TEST(View, HidesObjectsCutsAndSlicesThem) {
     session.wait_for_rest();
     const std::size_t mark = session.mark();
     session.click("effects.slice.0.strength", 0.4);
+    session.wait_until("a slice", mark, [](const Json& line) {
+        return is_step(line) && line["passes"].contains("slice");
+    });
     session.wait_for_rest();
-    EXPECT_TRUE(passes_of(session.trace_since(mark)).contains("slice"));
     const SceneFile changed = scene();
     EXPECT_TRUE(changed.objects[0].is_shown);
     EXPECT_FALSE(changed.objects[1].is_shown);

@@ -250,7 +250,8 @@ ConvertResult convert_points(const CheckedPoints& input, const ConvertOptions& o
     PointCloud cloud{{at.begin(), at.begin() + static_cast<std::ptrdiff_t>(count)},
                      input.cloud.normals};
     const WindingNumber winding(lattice.mesh, false);
-    const double gap_cell = 2 * input.median_spacing_world / voxel;
+    // No less than a voxel: nothing is seen of smaller gaps, and cells are counted in 32 bits.
+    const double gap_cell = std::max(2 * input.median_spacing_world / voxel, 1.0);
     append(points_over_gaps(cloud.points_world, reach.spacing, gap_cell, winding), cloud);
     reach.spacing.resize(cloud.points_world.size(), gap_cell);
     const Meshless field(std::move(cloud.points_world), std::move(cloud.normals), meshless);

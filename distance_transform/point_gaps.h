@@ -14,7 +14,8 @@ namespace isocast {
 /// The surface follows the cloud's own rim, and is flat over a hole with a flat rim.
 ///
 /// points, spacing  of the cloud [any unit]; see CheckedPoints
-/// cell             edge of the cubes in which the surface is looked for, two median spacings
+/// cell             edge of the cubes in which the surface is looked for, at least two median
+///                  spacings
 /// winding          of the cloud, positive inside
 /// source           Barill et al. 2018, for the surface
 PointCloud points_over_gaps(std::span<const Vec3d> points, std::span<const double> spacing,

@@ -38,8 +38,8 @@ struct ConvertCommand {
     std::filesystem::path output;
     std::filesystem::path out_dir;
     std::optional<double> voxel_size_world;
-    std::optional<int> resolution; // 256 if nothing says how fine
-    std::optional<double> max_error_world;
+    std::optional<int> resolution;   // 256 if nothing says how fine
+    std::optional<double> max_error; // [world]; of a .slim by the diagonal of the mesh's box
     double band_voxels = 3;
     std::optional<double> band_world;
     SignMethod sign = SignMethod::Auto;
@@ -104,9 +104,9 @@ void check_command(const ConvertCommand& command) {
     if (command.method != Method::Points && command.meshless != MeshlessOptions{})
         throw UsageError("--neighbours, --point-method, --approximation need --method points");
     const bool is_octree = command.method == Method::Octree;
-    if (!is_octree && !command.max_error_world && command.octree.filter)
+    if (!is_octree && !command.max_error && command.octree.filter)
         throw UsageError("--interpolation needs --method octree or --max-error");
-    if (!is_octree && command.max_error_world && !is_slim_file(command.output) &&
+    if (!is_octree && command.max_error && !is_slim_file(command.output) &&
         (command.voxel_size_world || command.resolution || command.method == Method::Points ||
          command.prism == PrismKind::Printed))
         throw UsageError("--max-error chooses the resolution of a mesh's exact distances: no "
@@ -230,7 +230,7 @@ Promise promise_of(const ConvertCommand& command, const CheckedMesh& mesh,
                    const Progress& progress) {
     const Filter filter =
         command.octree.filter == OctreeFilter::Linear ? Filter::Linear : Filter::Interpolating;
-    return promise_for(mesh, *command.max_error_world, read_front(command.data_folders), progress,
+    return promise_for(mesh, *command.max_error, read_front(command.data_folders), progress,
                        std::array{filter});
 }
 
@@ -246,13 +246,13 @@ ConvertReport mesh_job(const ConvertCommand& command, const Job& job, const Inpu
                          .output = job.output,
                          .verdict = mesh.verdict,
                          .warnings = mesh.warnings};
-    if (command.max_error_world && command.method != Method::Octree)
+    if (command.max_error && command.method != Method::Octree)
         report.promise = promise_of(command, mesh, progress);
     report.options = options_for(command, bounding_box(mesh.mesh),
                                  report.promise ? *report.promise->resolution : 256);
     report.seconds.read = step.lap();
     if (command.method == Method::Octree)
-        convert_to_octree(command.octree, mesh, command.max_error_world,
+        convert_to_octree(command.octree, mesh, command.max_error,
                           command.voxel_size_world || command.resolution
                               ? std::optional(report.options.voxel_size_world)
                               : std::nullopt,
@@ -320,7 +320,7 @@ void run_slim(const ConvertCommand& command, const Job& job, Console& console) {
     if (command.repair) mesh = repaired(mesh);
     for (const std::string& warning : mesh.warnings)
         console.warn(fmt::format("{}: {}", job.input, warning));
-    convert_to_slim(job.input, mesh, command.max_error_world, job.output, command.json,
+    convert_to_slim(job.input, mesh, command.max_error, job.output, command.json,
                     [&](std::string_view stage, double fraction) {
                         progress(stage, fraction);
                         if (fraction >= 1) console.end_progress();
@@ -384,7 +384,7 @@ void add_accuracy_options(CLI::App& app, ConvertCommand& command) {
                "surface the error is kept")
         ->type_name("D")
         ->excludes(band);
-    add_parsed(app, "--max-error", command.max_error_world, number_from,
+    add_parsed(app, "--max-error", command.max_error, number_from,
                "What the surface may be off by, in units of the mesh: chooses the resolution, by "
                "`isocast accuracy`; of --method octree: the cells (default a thousandth of the "
                "longest side). Of a .slim a part of the box's diagonal (default 1e-3)")

@@ -101,9 +101,7 @@ void check_object(const SceneFile& scene, std::size_t i, Problems& problems) {
     if (object.cut_colour && is_of_primitives(object))
         problems.add(key_of(i, "cut_colour"),
                      "for fields: molecules, points, triangles and glyphs are not cut");
-    const bool is_operand = std::ranges::any_of(scene.objects, [&](const SceneObject& other) {
-        return !object.name.empty() && std::ranges::count(operands_of(other), object.name) > 0;
-    });
+    const bool is_operand = !users_of(scene, i).empty();
     if (!object.is_cut && (is_of_primitives(object) || is_operand))
         problems.add(key_of(i, "cut"), is_operand ? "what it is an operand of is cut as a whole"
                                                   : "for fields: all primitives are cut");
@@ -297,6 +295,14 @@ std::optional<std::size_t> object_named(const SceneFile& scene, const std::strin
 
 const std::vector<std::string>& operands_of(const SceneObject& object) {
     return object.csg ? object.of : object.morph;
+}
+
+std::vector<std::size_t> users_of(const SceneFile& scene, std::size_t i) {
+    std::vector<std::size_t> users;
+    const std::string& name = scene.objects[i].name;
+    for (std::size_t k = 0; k < scene.objects.size() && !name.empty(); ++k)
+        if (std::ranges::count(operands_of(scene.objects[k]), name) > 0) users.push_back(k);
+    return users;
 }
 
 } // namespace isocast

@@ -178,5 +178,7 @@ inline bool is_of_primitives(const SceneObject& object) {
 
 /// Names of what an object is made of; none for a field, a mesh or a series.
 const std::vector<std::string>& operands_of(const SceneObject& object);
+/// The objects that object i is an operand of.
+std::vector<std::size_t> users_of(const SceneFile& scene, std::size_t i);
 
 } // namespace isocast

@@ -16,7 +16,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <type_traits>
 
 namespace isocast {
@@ -37,13 +36,10 @@ CsgOperation operation_of(SceneObject::Csg csg) {
 
 /// Which of the objects no other one is made of.
 std::vector<std::size_t> drawn_objects(const SceneFile& scene) {
-    std::set<std::string> used;
-    for (const SceneObject& object : scene.objects)
-        used.insert(operands_of(object).begin(), operands_of(object).end());
     std::vector<std::size_t> drawn;
     for (std::size_t i = 0; i < scene.objects.size(); ++i)
         if (const SceneObject& object = scene.objects[i];
-            object.is_shown && !used.contains(object.name) && !is_of_primitives(object))
+            object.is_shown && users_of(scene, i).empty() && !is_of_primitives(object))
             drawn.push_back(i);
     return drawn;
 }

@@ -4,6 +4,7 @@
 
 #include "distance_transform/progress_meter.h"
 #include "volume/errors.h"
+#include "volume/index_hash.h"
 #include "volume/sparse_field.h"
 
 #include <fmt/format.h>
@@ -150,15 +151,6 @@ void for_each_tile(const SampleBox& box, const SiteRegion& region, const Visit& 
     }
 }
 
-struct Index3Hash {
-    std::size_t operator()(const Index3& p) const {
-        // Odd factors near 2^64 over powers of the golden ratio.
-        return static_cast<std::size_t>(p.x()) * 0x9e3779b97f4a7c15 ^
-               static_cast<std::size_t>(p.y()) * 0xbf58476d1ce4e5b9 ^
-               static_cast<std::size_t>(p.z()) * 0x94d049bb133111eb;
-    }
-};
-
 /// Tiles by coordinate, numbered as they come.
 class TileNumbers {
 public:
@@ -181,7 +173,7 @@ private:
         std::uint32_t number = none;
     };
 
-    std::unordered_map<Index3, std::uint32_t, Index3Hash> numbers_;
+    std::unordered_map<Index3, std::uint32_t, IndexHash> numbers_;
     std::array<Recent, 64> recent_;
 };
 

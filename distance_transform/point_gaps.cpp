@@ -3,12 +3,13 @@
 #include "distance_transform/point_gaps.h"
 
 #include "distance_transform/point_tree.h"
+#include "volume/index_hash.h"
 
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <set>
 #include <unordered_map>
+#include <unordered_set>
 
 namespace isocast {
 
@@ -19,9 +20,7 @@ using Cells = std::vector<Index3>;
 
 void sort_and_unite(Cells& cells) {
     std::ranges::sort(cells, zyx_less);
-    const auto repeated =
-        std::ranges::unique(cells, [](const Index3& a, const Index3& b) { return a == b; });
-    cells.erase(repeated.begin(), repeated.end());
+    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
 }
 
 template<class Visit>
@@ -43,15 +42,6 @@ Cells grown(const Cells& cells) {
 bool contains(const Cells& cells, const Index3& cell) {
     return std::ranges::binary_search(cells, cell, zyx_less);
 }
-
-struct CellHash {
-    std::size_t operator()(const Index3& cell) const {
-        std::size_t hash = 0;
-        for (int axis = 0; axis < 3; ++axis)
-            hash = (hash ^ static_cast<std::uint32_t>(cell[axis])) * 0x9E3779B97F4A7C15;
-        return hash ^ hash >> 32;
-    }
-};
 
 class GapSurface {
 public:
@@ -76,7 +66,7 @@ public:
         std::ranges::set_difference(grown(beside_points_), beside_points_,
                                     std::back_inserter(front), zyx_less);
         std::erase_if(front, [&](const Index3& cell) { return !is_in_box(cell); });
-        std::set<Index3, decltype(&zyx_less)> seen(front.begin(), front.end(), zyx_less);
+        std::unordered_set<Index3, IndexHash> seen(front.begin(), front.end());
         while (!front.empty()) {
             ask_at_corners(front);
             Cells next;
@@ -176,8 +166,8 @@ private:
     Vec3d origin_; // least and greatest of the points
     Vec3d last_;
     Cells beside_points_;
-    std::unordered_map<Index3, double, CellHash> excess_;          // w - 1/2
-    std::unordered_multimap<Index3, std::size_t, CellHash> homes_; // of the points found
+    std::unordered_map<Index3, double, IndexHash> excess_;          // w - 1/2
+    std::unordered_multimap<Index3, std::size_t, IndexHash> homes_; // of the points found
     std::vector<Neighbour> nearest_;
 };
 

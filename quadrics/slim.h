@@ -65,7 +65,6 @@ struct SlimSurface {
     std::vector<SlimPatch> patches;
     double max_error_world = 0; // that they were fitted with: they differ by twice as much at most
     bool is_closed = false;     // then what faces away is never seen
-    Vec3d colour = Vec3d(0.72, 0.6, 0.42); // linear
 };
 
 /// throws  InputError that names the patch and what is wrong: a number that is not finite, a radius

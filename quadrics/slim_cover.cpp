@@ -89,7 +89,6 @@ private:
     std::vector<SlimPiece> pieces_;
     std::vector<Part> waiting_; // the last first
     std::vector<Part> done_;
-    std::size_t tried_ = 0;
 };
 
 SlimPiece Cover::grown(const Part& part) {
@@ -152,7 +151,6 @@ void Cover::run(const Progress& progress) {
                           [&](std::size_t i) { made[i] = grown(batch[i]); });
         for (std::size_t i = 0; i < batch.size(); ++i) {
             if (is_covered(batch[i])) {
-                ++tried_;
                 done_.push_back(batch[i]);
                 continue;
             }
@@ -197,17 +195,13 @@ SlimSurface Cover::surface(SlimReport& report) {
     SlimSurface out{
         .patches = {}, .max_error_world = options_.max_error_world, .is_closed = mesh_.is_closed()};
     for (std::size_t p = 0; p < pieces_.size(); ++p) {
-        if (!stays[p]) {
-            ++tried_;
-            continue;
-        }
+        if (!stays[p]) continue;
         out.patches.push_back(pieces_[p].patch);
         report.with_planes += pieces_[p].patch.plane_count > 0 ? 1 : 0;
         report.over_bound += pieces_[p].residual_world > options_.max_error_world ? 1 : 0;
         report.greatest_error_world =
             std::max(report.greatest_error_world, pieces_[p].residual_world);
     }
-    report.tried = tried_;
     return out;
 }
 

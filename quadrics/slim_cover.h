@@ -14,7 +14,6 @@ struct SlimOptions {
 };
 
 struct SlimReport {
-    std::size_t tried = 0;           // patches that others made needless
     std::size_t with_planes = 0;     // of the patches
     std::size_t over_bound = 0;      // of the least size, planes that do not keep the error
     double greatest_error_world = 0; // bounded, of all patches

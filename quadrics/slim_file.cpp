@@ -2,6 +2,7 @@
 #include "quadrics/slim_file.h"
 
 #include "volume/atomic_file.h"
+#include "volume/checksum.h"
 #include "volume/errors.h"
 #include "volume/mapped_file.h"
 
@@ -41,18 +42,6 @@ struct Record {
 };
 static_assert(sizeof(Record) == 176);
 
-/// source  Fowler, Noll, Vo: FNV-1a of 64 bits
-std::uint64_t checksum(std::string_view bytes) {
-    std::uint64_t sum = 0xcbf29ce484222325;
-    for (const char byte : bytes) sum = (sum ^ static_cast<unsigned char>(byte)) * 0x100000001b3;
-    return sum;
-}
-
-template<class Value>
-void put(std::string& to, const Value& value) {
-    to.append(reinterpret_cast<const char*>(&value), sizeof value);
-}
-
 template<class Value>
 Value value_at(std::string_view bytes, std::size_t at) {
     Value value;
@@ -72,7 +61,7 @@ void write_slim(const SlimSurface& surface, const std::filesystem::path& path) {
         {}, version, surface.is_closed ? 1U : 0U, surface.patches.size(), surface.max_error_world};
     std::memcpy(header.magic, magic.data(), magic.size());
     std::string text;
-    put(text, header);
+    text += bytes_of(header);
     for (const SlimPatch& patch : surface.patches) {
         Record record{};
         const auto put_vector = [](double* to, const Vec3d& v) { std::copy_n(v.data(), 3, to); };
@@ -86,9 +75,9 @@ void write_slim(const SlimSurface& surface, const std::filesystem::path& path) {
         }
         record.plane_count = static_cast<std::uint32_t>(patch.plane_count);
         record.is_any = patch.is_any ? 1 : 0;
-        put(text, record);
+        text += bytes_of(record);
     }
-    put(text, checksum(text));
+    text += bytes_of(checksum(text));
     write_text_file(text, path);
 }
 
@@ -100,16 +89,17 @@ SlimSurface read_slim(const std::filesystem::path& path) {
         throw InputError(fmt::format("cannot read {}: {}", path.string(), what));
     };
     if (!bytes.starts_with(magic)) fail("it is no SLIM file");
-    if (bytes.size() < sizeof(Header) + sizeof(std::uint64_t)) fail("it ends within its header");
+    constexpr std::size_t sum_size = sizeof(std::uint32_t);
+    if (bytes.size() < sizeof(Header) + sum_size) fail("it ends within its header");
     const auto header = value_at<Header>(bytes, 0);
     if (header.version != version)
         fail(fmt::format("it is of version {}, not {}", header.version, version));
-    const std::size_t rest = bytes.size() - sizeof(Header) - sizeof(std::uint64_t);
+    const std::size_t rest = bytes.size() - sizeof(Header) - sum_size;
     // By a division, since the product may wrap around.
     if (rest % sizeof(Record) != 0 || rest / sizeof(Record) != header.patches)
         fail(fmt::format("its length is not that of {} patches", header.patches));
-    if (value_at<std::uint64_t>(bytes, bytes.size() - sizeof(std::uint64_t)) !=
-        checksum(bytes.substr(0, bytes.size() - sizeof(std::uint64_t))))
+    const std::string_view summed = bytes.substr(0, bytes.size() - sum_size);
+    if (bytes.substr(summed.size()) != bytes_of(checksum(summed)))
         fail("it is damaged: the checksum differs");
     if (header.is_closed > 1) fail("a flag of it is neither 0 nor 1");
     SlimSurface surface{.patches = {},

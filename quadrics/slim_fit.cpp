@@ -254,7 +254,7 @@ bool SlimFitter::clip(SlimPatch& patch, double max_error_world) {
         bool is_found = false;
         for (Vec3d m :
              {Vec3d(along.cross(normal + beyond)), beyond, Vec3d(solver.eigenvectors().col(0))}) {
-            if (!(m.norm() > 1e-3)) continue;
+            if (!(m.norm() > 1e-3)) continue; // along the crease, to its roundings, or none
             m.normalize();
             if (m.dot(inwards) < 0) m = -m;
             const double across = normal.cross(m).norm(); // of the angle with the face

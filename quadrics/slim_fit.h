@@ -30,11 +30,10 @@ public:
     ///
     /// returns   nothing if no patch keeps the error: the part bends too much, or back, or has more
     ///           than two ends
-    /// accuracy  heights over the samples, the mesh's vertices, are no greater than the error, nor,
-    /// by
-    ///           more than twice as far as a triangle bows (flat ones do not), over the
-    ///           surface between them, at corners and middles of edges of its parts of 0.7 of the
-    ///           radius; heights are no less than distances
+    /// accuracy  heights over the samples, the mesh's vertices, are no greater than the error; over
+    ///           the surface between them, at corners and middles of edges of its parts of 0.7 of
+    ///           the radius, than that and twice as far as the triangle bows (flat ones do not);
+    ///           heights are no less than distances
     /// source    Ohtake, Belyaev, Alexa 2005 and Stoll et al. 2006 fig. 8; least squares by area
     std::optional<SlimPiece> fit(int triangle, const Vec3d& centre_world, double radius_world,
                                  double max_error_world);

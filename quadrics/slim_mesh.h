@@ -19,8 +19,7 @@ namespace isocast {
 /// through vertices are met to the fourth order of the edges' length, and what is flat stays flat.
 ///
 /// source  as Nagata, Simple local interpolation of surfaces using normal vectors, 2005, and
-/// Vlachos
-///         et al., Curved PN triangles, 2001, with one term
+///         Vlachos et al., Curved PN triangles, 2001, with one term
 class SlimMesh {
 public:
     /// crease_degrees  between faces; more is a crease

@@ -205,8 +205,8 @@ struct Slice {
     double strength = 0;
     Vec3d normal = Vec3d::UnitZ();       // any length but 0
     double offset_world = 0;             // of the unit normal
-    std::optional<double> spacing_world; // of lines; else as spacing_of() finds it
-    std::optional<double> range_world;   // of tones; else as range_of() finds it
+    std::optional<double> spacing_world; // of lines; else as slice_spacing_world() finds it
+    std::optional<double> range_world;   // of tones; else as slice_range_world() finds it
     Vec3d inside = Vec3d(0.10, 0.25, 0.65);
     Vec3d outside = Vec3d(0.75, 0.35, 0.10);
     Vec3d line = Vec3d(0.02, 0.02, 0.02);

@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "volume/octree_file.h"
 
+#include "volume/checksum.h"
 #include "volume/dense_file.h"
 #include "volume/errors.h"
 #include "volume/mapped_file.h"
 #include "volume/volume_file.h"
 
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <bit>
@@ -36,16 +36,6 @@ struct Header {
     std::uint64_t nodes;
 };
 static_assert(sizeof(Header) == 136 && std::endian::native == std::endian::little);
-
-std::uint32_t checksum(std::string_view bytes, std::uint32_t before = 0) {
-    return static_cast<std::uint32_t>(
-        ::crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
-}
-
-template<class Value>
-std::string_view bytes_of(const Value& value) {
-    return {reinterpret_cast<const char*>(&value), sizeof value};
-}
 
 std::uint64_t bits_bytes(std::uint64_t nodes) {
     return (nodes + 7) / 8;

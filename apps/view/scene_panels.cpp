@@ -20,16 +20,6 @@ std::string words(std::string text) {
     return text;
 }
 
-/// Names of the objects that combine or blend it.
-std::vector<std::string> users_of(const SceneFile& scene, std::size_t i) {
-    std::vector<std::string> users;
-    for (std::size_t k = 0; k < scene.objects.size(); ++k)
-        if (!scene.objects[i].name.empty() &&
-            std::ranges::count(operands_of(scene.objects[k]), scene.objects[i].name) > 0)
-            users.push_back(name_of(scene, k));
-    return users;
-}
-
 /// What it is, and what for.
 std::string role_of(const SceneFile& scene, std::size_t i) {
     const SceneObject& object = scene.objects[i];
@@ -47,7 +37,8 @@ std::string role_of(const SceneFile& scene, std::size_t i) {
                        : !object.tetrahedra.empty() ? "tetrahedra"
                        : !object.series.empty()     ? "series"
                                                     : "field";
-    const std::vector<std::string> users = users_of(scene, i);
+    std::vector<std::string> users;
+    for (const std::size_t k : users_of(scene, i)) users.push_back(name_of(scene, k));
     if (!users.empty()) role += fmt::format(", in {}", fmt::join(users, ", "));
     return role;
 }
@@ -178,46 +169,42 @@ void Panels::draw_legends(const SceneTable& effect) {
         !viewer_.loaded().objects.empty()) {
         const Slice& slice = effects.slice;
         const FieldObject& object = viewer_.loaded().objects.front();
-        const double range = range_of(slice, *object.field);
-        const Vec3d paper = Vec3d::Constant(0.92); // of slice.frag
+        const double range = slice_range_world(slice, *object.field);
         legend(fmt::format("{:.4g}", object.iso_world - range),
                fmt::format("{:.4g}", object.iso_world + range), 12 * scale_, [&](double t) {
                    const double u = 2 * t - 1;
-                   return Vec3d((1 - std::abs(u)) * paper +
+                   return Vec3d((1 - std::abs(u)) * slice_paper() +
                                 std::abs(u) * (u < 0 ? slice.inside : slice.outside));
                });
         mark("legend of slice");
-        ImGui::TextDisabled("lines every %.4g", spacing_of(slice, *object.field));
+        ImGui::TextDisabled("lines every %.4g", slice_spacing_world(slice, *object.field));
     }
 }
 
 void Panels::draw_effects() {
     if (!header("Effects", false)) return;
-    const auto group = [&](const char* title, std::initializer_list<std::string_view> names) {
-        ImGui::TextDisabled("%s", title);
-        for (const std::string_view of : names) {
-            const SceneTable& one = table(fmt::format("effects.{}", of));
-            const std::string name = words(std::string(of));
-            ImGui::PushID(one.name.c_str());
-            const bool is_open = ImGui::TreeNode("effect", "%s", name.c_str());
-            mark(name);
-            if (const std::string cost = price({name}); !cost.empty()) {
-                ImGui::SameLine(ImGui::GetWindowContentRegionMax().x -
-                                ImGui::CalcTextSize(cost.c_str()).x);
-                ImGui::TextDisabled("%s", cost.c_str());
-            }
-            draw_legends(one);
-            if (is_open) {
-                draw_keys(one, 0);
-                ImGui::TreePop();
-            }
-            ImGui::PopID();
+    for (const SceneTable& one : tables_) {
+        if (!one.name.starts_with("effects.")) continue;
+        for (const auto& [first, title] :
+             {std::pair{"solid_texture", "colours"}, std::pair{"accessibility", "light"},
+              std::pair{"ridges", "lines"}, std::pair{"slice", "the field itself"}})
+            if (one.name.substr(8) == first) ImGui::TextDisabled("%s", title);
+        const std::string name = words(one.name.substr(8));
+        ImGui::PushID(one.name.c_str());
+        const bool is_open = ImGui::TreeNode("effect", "%s", name.c_str());
+        mark(name);
+        if (const std::string cost = price({name}); !cost.empty()) {
+            ImGui::SameLine(ImGui::GetWindowContentRegionMax().x -
+                            ImGui::CalcTextSize(cost.c_str()).x);
+            ImGui::TextDisabled("%s", cost.c_str());
         }
-    };
-    group("colours", {"solid_texture", "curvature_colour", "curvature_map", "uncertainty", "flow"});
-    group("light", {"accessibility", "occlusion", "refraction", "reflection"});
-    group("lines", {"ridges", "contours", "outlines"});
-    group("the field itself", {"slice"});
+        draw_legends(one);
+        if (is_open) {
+            draw_keys(one, 0);
+            ImGui::TreePop();
+        }
+        ImGui::PopID();
+    }
 }
 
 void Panels::draw_elements(const SceneTable& elements, const char* name, std::size_t most) {

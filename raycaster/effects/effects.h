@@ -38,9 +38,13 @@ void run_slice(FrameContext& frame);
 std::vector<gl::ProgramKey> slice_programs();
 /// throws  InputError where there is no such field, as in octrees; for numbers out of their range
 void check_slice(const Slice& slice, std::span<const FieldObject> objects);
-/// Between its lines, and from iso to the full tones [world].
-double spacing_of(const Slice& slice, const FieldSource& field);
-double range_of(const Slice& slice, const FieldSource& field);
+/// Between its lines, and from iso to the full tones.
+double slice_spacing_world(const Slice& slice, const FieldSource& field);
+double slice_range_world(const Slice& slice, const FieldSource& field);
+/// Its tone at iso, linear RGB.
+inline Vec3d slice_paper() {
+    return Vec3d::Constant(0.92);
+}
 
 /// Binds the hits and their gradients, and sets the rays, of shaders/shading/surface.glsl.
 void set_surface_uniforms(const gl::Program& program, const FrameContext& frame);

@@ -115,7 +115,7 @@ void check_slice(const Slice& slice, std::span<const FieldObject> objects) {
             throw InputError(fmt::format("slice: its {} must be positive, not {}", what, *value));
 }
 
-double spacing_of(const Slice& slice, const FieldSource& field) {
+double slice_spacing_world(const Slice& slice, const FieldSource& field) {
     if (slice.spacing_world) return *slice.spacing_world;
     const std::array<Vec3d, 8> corners = corners_of(field.extent(), field.space());
     // A third of the band: so that it has two lines on each side.
@@ -125,9 +125,9 @@ double spacing_of(const Slice& slice, const FieldSource& field) {
     return about < 2 * decade ? decade : about < 5 * decade ? 2 * decade : 5 * decade;
 }
 
-double range_of(const Slice& slice, const FieldSource& field) {
+double slice_range_world(const Slice& slice, const FieldSource& field) {
     return slice.range_world.value_or(
-        field.half_width_world().value_or(10 * spacing_of(slice, field)));
+        field.half_width_world().value_or(10 * slice_spacing_world(slice, field)));
 }
 
 void run_slice(FrameContext& frame) {
@@ -152,8 +152,9 @@ void run_slice(FrameContext& frame) {
     program.set("u_tie", static_cast<float>(1e-5 * square.texels * square.texel_world +
                                             0x1p-20 * std::abs(offset)));
     program.set("u_iso", static_cast<float>(object.iso_world));
-    program.set("u_spacing", static_cast<float>(spacing_of(slice, *object.field)));
-    program.set("u_range", static_cast<float>(range_of(slice, *object.field)));
+    program.set("u_spacing", static_cast<float>(slice_spacing_world(slice, *object.field)));
+    program.set("u_range", static_cast<float>(slice_range_world(slice, *object.field)));
+    program.set("u_paper", Eigen::Vector3f(slice_paper().cast<float>()));
     program.set("u_inside", Eigen::Vector3f(slice.inside.cast<float>()));
     program.set("u_outside", Eigen::Vector3f(slice.outside.cast<float>()));
     program.set("u_line", Eigen::Vector3f(slice.line.cast<float>()));

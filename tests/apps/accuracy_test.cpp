@@ -200,10 +200,8 @@ TEST_F(MaxError, IsKeptByConvertedMeshes) {
 
 TEST(MaxErrorOfConvert, ChoosesTheResolutionAlone) {
     const TemporaryFolder folder;
-    const auto convert = [&](std::vector<std::string> more) {
-        std::vector<std::string> words{"convert", "mesh:knot", "-o", folder / "a.vdb"};
-        words.insert(words.end(), more.begin(), more.end());
-        return isocast(words);
+    const auto convert = [&](const std::vector<std::string>& more) {
+        return isocast(joined({"convert", "mesh:knot", "-o", folder / "a.vdb"}, more));
     };
     for (const std::vector<std::string>& more :
          {std::vector<std::string>{"--max-error", "0.1", "--resolution", "64"},

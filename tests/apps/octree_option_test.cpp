@@ -14,10 +14,8 @@ using Json = nlohmann::json;
 
 struct ConvertOctreeVerb : testing::Test {
     TemporaryFolder folder;
-    Outcome convert(std::vector<std::string> more) {
-        std::vector<std::string> words{"convert", "mesh:sphere6", "--method", "octree"};
-        words.insert(words.end(), more.begin(), more.end());
-        return isocast(words);
+    Outcome convert(const std::vector<std::string>& more) {
+        return isocast(joined({"convert", "mesh:sphere6", "--method", "octree"}, more));
     }
 };
 

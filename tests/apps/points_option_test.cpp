@@ -34,11 +34,10 @@ struct ConvertPointsVerb : testing::Test {
         write_text(folder / name, text);
         return folder / name;
     }
-    Outcome convert(const std::string& input, std::vector<std::string> more) {
-        std::vector<std::string> words{"convert",      input, "--method", "points",
-                                       "--resolution", "32",  "-o",       folder / "a.vdb"};
-        words.insert(words.end(), more.begin(), more.end());
-        return isocast(words);
+    Outcome convert(const std::string& input, const std::vector<std::string>& more) {
+        return isocast(joined(
+            {"convert", input, "--method", "points", "--resolution", "32", "-o", folder / "a.vdb"},
+            more));
     }
 };
 

@@ -94,6 +94,12 @@ Outcome isocast_on_terminal(const std::vector<std::string>& arguments, const std
     return outcome;
 }
 
+std::vector<std::string> joined(std::vector<std::string> arguments,
+                                const std::vector<std::string>& more) {
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+}
+
 std::string checked_output(const Outcome& outcome) {
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     return outcome.out;

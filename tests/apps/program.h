@@ -30,6 +30,10 @@ Outcome isocast(const std::vector<std::string>& arguments, const Environment& en
 Outcome isocast_on_terminal(const std::vector<std::string>& arguments,
                             const std::string& moment = {});
 
+/// Arguments, and more of them.
+std::vector<std::string> joined(std::vector<std::string> arguments,
+                                const std::vector<std::string>& more);
+
 /// The output as JSON's text was; fails the test if the program failed.
 std::string checked_output(const Outcome& outcome);
 

@@ -23,10 +23,7 @@ using Json = nlohmann::json;
 
 std::vector<std::string> render(const std::string& input, const std::string& output,
                                 const std::vector<std::string>& more = {}) {
-    std::vector<std::string> arguments{"render",    input,    "-o",     output,
-                                       "--backend", "osmesa", "--size", "48x32"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return arguments;
+    return joined({"render", input, "-o", output, "--backend", "osmesa", "--size", "48x32"}, more);
 }
 
 TEST(Render, PngHasTheSizeAskedFor) {
@@ -402,9 +399,8 @@ TEST(Render, FileWithoutAnIsoValueIsDrawnAtTheSuggestedOne) {
     const Json info = Json::parse(checked_output(isocast({"info", folder / "a.vdb", "--json"})));
     const double iso = info["grids"][0]["suggested_iso"];
     const auto picture = [&](const std::vector<std::string>& more) {
-        std::vector<std::string> all{"--aov", "P"};
-        all.insert(all.end(), more.begin(), more.end());
-        checked_output(isocast(render(folder / "a.vdb", folder / "a.exr", all)));
+        checked_output(
+            isocast(render(folder / "a.vdb", folder / "a.exr", joined({"--aov", "P"}, more))));
         const ExrFile exr(folder / "a.exr");
         return std::pair(exr.file.header().typedAttribute<Imf::FloatAttribute>("iso").value(),
                          exr.channels);

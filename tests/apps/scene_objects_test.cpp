@@ -225,6 +225,16 @@ TEST_F(ObjectScenes, IsoValuesOfAMorphLieBetweenThoseOfItsObjects) {
     EXPECT_EQ(composed(objects, now).objects.at(0).iso_world, 0.75);
 }
 
+/// The pixels of a picture of 64x64, 2.5 high, from where parallel rays look down -z: their number
+/// and place.
+template<class Visit>
+void for_each_ray(const Visit& visit) {
+    for (int y = 0; y < 64; ++y)
+        for (int x = 0; x < 64; ++x)
+            visit(static_cast<std::size_t>(64 * y + x), 2.5 * ((x + 0.5) / 64 - 0.5),
+                  2.5 * (0.5 - (y + 0.5) / 64));
+}
+
 /// Where the second ball comes from: a file, a morph or a series. Blends of distances to concentric
 /// spheres are those to the sphere of the blended radius.
 class DifferenceOfBalls : public ObjectScenes, public testing::WithParamInterface<const char*> {};
@@ -251,32 +261,28 @@ TEST_P(DifferenceOfBalls, HasTheSolidsSurfaceAndColours) {
     checked_output(render(text + GetParam(), "a.exr", {"--aov", "P,id", "--size", "64x64"}));
     const ExrFile exr(folder / "a.exr");
     int hits = 0, expected_hits = 0, cuts = 0;
-    for (int y = 0; y < 64; ++y)
-        for (int x = 0; x < 64; ++x) {
-            const auto i = static_cast<std::size_t>(64 * y + x);
-            const double px = 2.5 * ((x + 0.5) / 64 - 0.5);
-            const double py = 2.5 * (0.5 - (y + 0.5) / 64);
-            // Along the ray, which looks down -z: from the front of a, or behind b.
-            const double in_a = 1 - px * px - py * py;
-            const double in_b = 0.36 - Eigen::Vector2d(px - 0.3, py - 0.2).squaredNorm();
-            double z = std::sqrt(std::max(in_a, 0.0));
-            const bool is_cut = in_b > 0 && z < 0.8 + std::sqrt(in_b) && z > 0.8 - std::sqrt(in_b);
-            if (is_cut) z = 0.8 - std::sqrt(in_b);
-            const bool is_solid = in_a > 0 && z > -std::sqrt(in_a);
-            expected_hits += is_solid;
-            const float id = exr.channels.at("id")[i];
-            if (id == 0) continue;
-            ++hits;
-            cuts += id == 2;
-            const Vec3d p = exr.vector("P", i);
-            const double a = p.norm() - 1;
-            const double b = (p - centre_b).norm() - 0.6;
-            // Terms of fourth order, (h/r)^3 = 4e-3 voxels times a small factor; voxels of 0.097.
-            EXPECT_NEAR(std::max(a, -b), 0, 1e-4) << x << " " << y;
-            EXPECT_EQ(id, a > -b ? 1 : 2);
-            EXPECT_EQ(exr.channels.at("R")[i], id == 1 ? 1.0F : 0.25F);
-            EXPECT_EQ(exr.channels.at("B")[i], id == 1 ? 0.25F : 1.0F);
-        }
+    for_each_ray([&](std::size_t i, double px, double py) {
+        // Along the ray, which looks down -z: from the front of a, or behind b.
+        const double in_a = 1 - px * px - py * py;
+        const double in_b = 0.36 - Eigen::Vector2d(px - 0.3, py - 0.2).squaredNorm();
+        double z = std::sqrt(std::max(in_a, 0.0));
+        const bool is_cut = in_b > 0 && z < 0.8 + std::sqrt(in_b) && z > 0.8 - std::sqrt(in_b);
+        if (is_cut) z = 0.8 - std::sqrt(in_b);
+        const bool is_solid = in_a > 0 && z > -std::sqrt(in_a);
+        expected_hits += is_solid;
+        const float id = exr.channels.at("id")[i];
+        if (id == 0) return;
+        ++hits;
+        cuts += id == 2;
+        const Vec3d p = exr.vector("P", i);
+        const double a = p.norm() - 1;
+        const double b = (p - centre_b).norm() - 0.6;
+        // Terms of fourth order, (h/r)^3 = 4e-3 voxels times a small factor; voxels of 0.097.
+        EXPECT_NEAR(std::max(a, -b), 0, 1e-4) << i;
+        EXPECT_EQ(id, a > -b ? 1 : 2);
+        EXPECT_EQ(exr.channels.at("R")[i], id == 1 ? 1.0F : 0.25F);
+        EXPECT_EQ(exr.channels.at("B")[i], id == 1 ? 0.25F : 1.0F);
+    });
     // The outline is some 200 pixels long; of these the centre lies within 1e-3 pixel of it by
     // chance only.
     EXPECT_NEAR(hits, expected_hits, 1);
@@ -294,34 +300,30 @@ TEST_F(ObjectScenes, PlanesCutBallsFlatAndKeepTheirFieldsWhileTheyMove) {
     checked_output(render(text, "a.exr", {"--aov", "P,N,id", "--size", "64x64"}));
     const ExrFile exr(folder / "a.exr");
     int hits = 0, caps = 0, expected_hits = 0;
-    for (int y = 0; y < 64; ++y)
-        for (int x = 0; x < 64; ++x) {
-            const auto i = static_cast<std::size_t>(64 * y + x);
-            const double px = 2.5 * ((x + 0.5) / 64 - 0.5);
-            const double py = 2.5 * (0.5 - (y + 0.5) / 64);
-            const double root = std::sqrt(std::max(1 - px * px - py * py, 0.0));
-            const double z_plane = (0.4 - 0.6 * px) / 0.8;
-            const bool is_solid = root > 0 && z_plane > -root;
-            expected_hits += is_solid;
-            const float id = exr.channels.at("id")[i];
-            if (id == 0) continue;
-            ++hits;
-            const bool is_cap = id == 2;
-            caps += is_cap;
-            const Vec3d p = exr.vector("P", i);
-            if (is_cap) {
-                // 1e-5 of the plane's cells, 1/64 of the ball's box of 3; and float's rounding of
-                // places and normals.
-                EXPECT_NEAR(Vec3d(0.6, 0, 0.8).dot(p), 0.4, 1e-6);
-                EXPECT_LT((exr.vector("N", i) - Vec3d(0.6, 0, 0.8)).norm(), 1e-5);
-                EXPECT_LT(p.norm(), 1 + 1e-4);
-            } else {
-                EXPECT_NEAR(p.norm(), 1, 1e-4); // as of DifferenceOfBalls
-                EXPECT_LT(0.6 * p.x() + 0.8 * p.z(), 0.4 + 1e-6);
-            }
-            EXPECT_EQ(exr.channels.at("R")[i], is_cap ? 0.0F : 1.0F);
-            EXPECT_EQ(exr.channels.at("B")[i], is_cap ? 1.0F : 0.0F);
+    for_each_ray([&](std::size_t i, double px, double py) {
+        const double root = std::sqrt(std::max(1 - px * px - py * py, 0.0));
+        const double z_plane = (0.4 - 0.6 * px) / 0.8;
+        const bool is_solid = root > 0 && z_plane > -root;
+        expected_hits += is_solid;
+        const float id = exr.channels.at("id")[i];
+        if (id == 0) return;
+        ++hits;
+        const bool is_cap = id == 2;
+        caps += is_cap;
+        const Vec3d p = exr.vector("P", i);
+        if (is_cap) {
+            // 1e-5 of the plane's cells, 1/64 of the ball's box of 3; and float's rounding of
+            // places and normals.
+            EXPECT_NEAR(Vec3d(0.6, 0, 0.8).dot(p), 0.4, 1e-6);
+            EXPECT_LT((exr.vector("N", i) - Vec3d(0.6, 0, 0.8)).norm(), 1e-5);
+            EXPECT_LT(p.norm(), 1 + 1e-4);
+        } else {
+            EXPECT_NEAR(p.norm(), 1, 1e-4); // as of DifferenceOfBalls
+            EXPECT_LT(0.6 * p.x() + 0.8 * p.z(), 0.4 + 1e-6);
         }
+        EXPECT_EQ(exr.channels.at("R")[i], is_cap ? 0.0F : 1.0F);
+        EXPECT_EQ(exr.channels.at("B")[i], is_cap ? 1.0F : 0.0F);
+    });
     EXPECT_NEAR(hits, expected_hits, 1); // as of DifferenceOfBalls
     EXPECT_GT(caps, 300);
     EXPECT_GT(hits - caps, 300);

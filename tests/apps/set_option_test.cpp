@@ -72,11 +72,9 @@ TEST_F(SetKey, NamesTheKeyAndTheKnownOnes) {
 TEST_F(SetKey, WorksWithABareFieldAndOverItsDefaults) {
     const TemporaryFolder folder;
     const auto draw = [&](const std::vector<std::string>& more) {
-        std::vector<std::string> arguments{"render",         "field:torus@16", "-o",
-                                           folder / "a.png", "--backend",      "osmesa",
-                                           "--size",         "48x32"};
-        arguments.insert(arguments.end(), more.begin(), more.end());
-        return isocast(arguments);
+        return isocast(joined({"render", "field:torus@16", "-o", folder / "a.png", "--backend",
+                               "osmesa", "--size", "48x32"},
+                              more));
     };
     checked_output(draw({}));
     const std::string plain = contents_of(folder / "a.png");

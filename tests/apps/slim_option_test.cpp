@@ -16,10 +16,8 @@ using Json = nlohmann::json;
 
 struct ConvertToSlim : testing::Test {
     TemporaryFolder folder;
-    Outcome convert(std::vector<std::string> more) {
-        std::vector<std::string> words{"convert", "mesh:torus"};
-        words.insert(words.end(), more.begin(), more.end());
-        return isocast(words);
+    Outcome convert(const std::vector<std::string>& more) {
+        return isocast(joined({"convert", "mesh:torus"}, more));
     }
 };
 

@@ -1,5 +1,6 @@
 // Bilinear patches as they are drawn, against a double ray caster: no pixel misses one.
 // SPDX-License-Identifier: MPL-2.0
+#include "../quadrics/quad_cube.h"
 #include "../quadrics/random_primitives.h"
 #include "../splats/splat_judge.h"
 #include "../volume/temporary_folder.h"
@@ -24,32 +25,9 @@ PatchMesh one_patch(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d&
 /// A cube's faces in cells, its vertices on the unit sphere but for `noise` of a cell's size: faces
 /// are twisted, and neighbours share vertices.
 PatchMesh quad_sphere(int cells, double noise, Random& random) {
-    PatchMesh mesh;
-    std::map<std::array<int, 3>, int> numbers;
-    const auto vertex = [&](const Eigen::Vector3i& p) {
-        const auto [place, is_new] =
-            numbers.try_emplace({p.x(), p.y(), p.z()}, int(mesh.vertices_world.size()));
-        if (is_new)
-            mesh.vertices_world.push_back(p.cast<double>().normalized() +
-                                          random.in_cube(noise / cells));
-        return place->second;
-    };
-    for (int axis = 0; axis < 3; ++axis)
-        for (const int side : {-1, 1})
-            for (int i = -cells; i < cells; i += 2)
-                for (int j = -cells; j < cells; j += 2) {
-                    const auto at = [&](int a, int b) {
-                        Eigen::Vector3i p;
-                        p[axis] = side * cells;
-                        p[(axis + 1) % 3] = a;
-                        p[(axis + 2) % 3] = b;
-                        return vertex(p);
-                    };
-                    std::array quad{at(i, j), at(i + 2, j), at(i + 2, j + 2), at(i, j + 2)};
-                    if (side < 0) std::swap(quad[1], quad[3]);
-                    mesh.quads.push_back(quad);
-                }
-    return mesh;
+    return quad_cube(cells, [&](const Vec3d& p) {
+        return Vec3d(p.normalized() + random.in_cube(noise / cells));
+    });
 }
 
 /// Each patch from -share to 1 + share.

@@ -2,6 +2,7 @@
 // files whole and damaged.
 // SPDX-License-Identifier: MPL-2.0
 #include "../volume/temporary_folder.h"
+#include "quad_cube.h"
 #include "quadrics/slim_cover.h"
 #include "quadrics/slim_file.h"
 #include "random_primitives.h"
@@ -12,7 +13,6 @@
 
 #include <fstream>
 #include <functional>
-#include <map>
 #include <numbers>
 
 namespace isocast {
@@ -36,31 +36,14 @@ double height_over(const SlimPatch& patch, const Vec3d& p_world) {
                     h[4] * q.x() * q.y() + h[5] * q.y() * q.y());
 }
 
-/// A grid of n x n squares on each face of the cube [-1, 1]^3, welded, and each vertex moved.
+/// quad_cube(), each quad in two.
 TriangleMesh cube(int n, const std::function<Vec3d(const Vec3d&)>& moved) {
-    TriangleMesh mesh;
-    std::map<std::array<int, 3>, int> numbers;
-    const auto vertex = [&](const std::array<int, 3>& p) {
-        const auto [at, is_new] = numbers.try_emplace(p, int(mesh.vertices_world.size()));
-        if (is_new) mesh.vertices_world.push_back(moved(Vec3d(p[0], p[1], p[2]) / n));
-        return at->second;
-    };
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        for (const int side : {-1, 1})
-            for (int i = -n; i < n; i += 2)
-                for (int j = -n; j < n; j += 2) {
-                    const auto at = [&](int a, int b) {
-                        std::array<int, 3> p{};
-                        p[axis] = side * n;
-                        p[(axis + 1) % 3] = a;
-                        p[(axis + 2) % 3] = b;
-                        return vertex(p);
-                    };
-                    std::array quad{at(i, j), at(i + 2, j), at(i + 2, j + 2), at(i, j + 2)};
-                    if (side < 0) std::swap(quad[1], quad[3]);
-                    mesh.triangles.push_back({quad[0], quad[1], quad[2]});
-                    mesh.triangles.push_back({quad[0], quad[2], quad[3]});
-                }
+    const PatchMesh quads = test::quad_cube(n, moved);
+    TriangleMesh mesh{.vertices_world = quads.vertices_world};
+    for (const auto& [a, b, c, d] : quads.quads) {
+        mesh.triangles.push_back({a, b, c});
+        mesh.triangles.push_back({a, c, d});
+    }
     return mesh;
 }
 TriangleMesh ball(int n) {

@@ -14,7 +14,8 @@ uniform float u_tie;     // hits so far in front of the plane are in it [world]
 uniform float u_iso;
 uniform float u_spacing; // of lines [world]
 uniform float u_range;   // from iso to the full tone [world]
-uniform vec3 u_inside;   // linear RGB
+uniform vec3 u_paper;    // at iso, linear RGB
+uniform vec3 u_inside;
 uniform vec3 u_outside;
 uniform vec3 u_line;
 
@@ -22,7 +23,6 @@ out vec4 o_slice; // linear RGB, coverage
 
 const float none = 1e30; // of slice.cpp
 
-const vec3 paper = vec3(0.92); // at iso
 // Half widths of lines [pixels]: fine ones, and where the surface is.
 const float fine = 0.5;
 const float thick = 1.25;
@@ -60,7 +60,7 @@ void main() {
     float slope = length(vec2(dot(gradient, by_x), dot(gradient, by_y)));
 
     float from_iso = value - u_iso;
-    vec3 tone = mix(paper, from_iso < 0.0 ? u_inside : u_outside, min(abs(from_iso) / u_range, 1.0));
+    vec3 tone = mix(u_paper, from_iso < 0.0 ? u_inside : u_outside, min(abs(from_iso) / u_range, 1.0));
     // Where they would be nearer than 2 pixels they are a grey that says nothing: gone, and whole
     // from 6 pixels on.
     float shown = slope > 0.0 ? clamp(0.25 * (u_spacing / slope) - 0.5, 0.0, 1.0) : 0.0;

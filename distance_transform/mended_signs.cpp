@@ -14,6 +14,9 @@ namespace isocast {
 
 namespace {
 
+/// From 1/2: three times what the number may be off by (WindingNumber).
+constexpr double least_decision = 0.15;
+
 class Neighbourhood {
 public:
     Neighbourhood(const FieldBlocks& blocks, const FieldBlock& middle) : middle_(middle) {
@@ -73,7 +76,7 @@ std::int64_t mend_signs(FieldBlocks& blocks, float voxel_world,
             if (votes.against == 0) continue;
             const Index3 p = block_size * blocks[b].coordinate + sample_of(i);
             const double winding = winding_at(p.cast<double>());
-            const bool is_wrong = std::abs(winding - 0.5) > 0.25
+            const bool is_wrong = std::abs(winding - 0.5) > least_decision
                                       ? (winding > 0.5) != std::signbit(blocks[b].values[i])
                                       : votes.against > votes.with;
             if (is_wrong) wrong[b].push_back(i);

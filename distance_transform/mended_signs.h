@@ -10,8 +10,8 @@ namespace isocast {
 
 /// Mends the signs of active samples that a neighbour contradicts. Distance is 1-Lipschitz:
 /// neighbours of different signs are one voxel from the surface together; here two are allowed,
-/// since blended distances may be steeper. The winding number decides for them where it is above
-/// 3/4 or below 1/4, else most of the six neighbours. The same for any number of threads.
+/// since blended distances may be steeper. The winding number decides for them where it is not near
+/// 1/2, else most of the six neighbours. The same for any number of threads.
 ///
 /// blocks       sorted by z, y, x; neighbours in missing blocks have no say
 /// voxel_world  edge of a voxel, in the unit of the values

@@ -251,12 +251,10 @@ void describe_molecule(const InfoCommand& command, const Molecule& molecule) {
 }
 
 void run(const InfoCommand& command, Console& console) {
-    if (is_slim_file(command.input)) {
-        describe_slim(command.input, command.json);
-        return;
-    }
     const Input input = input_from(command.input);
-    if (input.is_mesh())
+    if (input.is_slim())
+        describe_slim(command.input, command.json);
+    else if (input.is_mesh())
         describe_mesh(command, read_checked_mesh(input), console);
     else if (input.kind == Input::Kind::BuiltinField)
         describe_field(command, *read_field(input));

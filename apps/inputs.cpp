@@ -4,6 +4,7 @@
 #include "distance_transform/mesh_files.h"
 #include "distance_transform/sample_meshes.h"
 #include "quadrics/molecule.h"
+#include "quadrics/slim_file.h"
 #include "volume/analytic_fields.h"
 #include "volume/atomic_file.h"
 #include "volume/errors.h"
@@ -46,7 +47,10 @@ Input builtin_field_from(const std::string& text) {
 } // namespace
 
 const char* Input::what() const {
-    return is_mesh() ? "a mesh" : is_field() ? "a field" : "a molecule";
+    return is_mesh()    ? "a mesh"
+           : is_field() ? "a field"
+           : is_slim()  ? "a SLIM surface"
+                        : "a molecule";
 }
 
 Input input_from(const std::string& text) {
@@ -68,11 +72,14 @@ Input input_from(const std::string& text) {
         input.kind = Input::Kind::FieldFile;
     else if (is_molecule_file(input.name))
         input.kind = Input::Kind::MoleculeFile;
+    else if (is_slim_file(input.name))
+        input.kind = Input::Kind::SlimFile;
     else if (!is_mesh_file(input.name))
-        throw InputError(fmt::format(
-            "{}: neither a field file ({}) nor a mesh file ({}) nor a molecule file ({})",
-            input.name, field_file_extensions(), mesh_file_extensions(),
-            molecule_file_extensions()));
+        throw InputError(fmt::format("{}: neither a field file ({}) nor a mesh file ({}) nor a "
+                                     "molecule file ({}) nor a SLIM "
+                                     "surface (.slim)",
+                                     input.name, field_file_extensions(), mesh_file_extensions(),
+                                     molecule_file_extensions()));
     return input;
 }
 

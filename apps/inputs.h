@@ -19,9 +19,10 @@ struct UsageError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// A mesh, a field or a molecule, by file or by built-in name. Nothing has been read yet.
+/// A mesh, a field, a molecule or a SLIM surface, by file or by built-in name. Nothing has been
+/// read yet.
 struct Input {
-    enum class Kind { MeshFile, SampleMesh, FieldFile, BuiltinField, MoleculeFile };
+    enum class Kind { MeshFile, SampleMesh, FieldFile, BuiltinField, MoleculeFile, SlimFile };
     Kind kind = Kind::MeshFile;
     std::string text = {};     // as the user wrote it
     std::string name = {};     // path or built-in name
@@ -30,12 +31,13 @@ struct Input {
 
     bool is_mesh() const { return kind == Kind::MeshFile || kind == Kind::SampleMesh; }
     bool is_field() const { return kind == Kind::FieldFile || kind == Kind::BuiltinField; }
-    /// "a mesh", "a field" or "a molecule".
+    bool is_slim() const { return kind == Kind::SlimFile; }
+    /// "a mesh", "a field", "a molecule" or "a SLIM surface".
     const char* what() const;
 };
 
 /// Understands `mesh:NAME`, `field:NAME@N`, a mesh file, a field file, `FILE:GRID`
-/// and a molecule file.
+/// a molecule file and a SLIM file.
 /// throws  InputError if it is none of these or the file does not exist
 Input input_from(const std::string& text);
 

@@ -200,11 +200,12 @@ void add_output_options(KeyOptions& keys) {
 CLI::App* add_render_options(CLI::App& program, RenderCommand& command) {
     CLI::App* app =
         program.add_subcommand("render", "Draw a scene, or the isosurfaces of fields and meshes");
-    app->add_option("IN", command.inputs,
-                    "Scene (.toml); or fields (.vdb .nrrd .nhdr .mhd .mha .nii .nii.gz, "
-                    "FILE.vdb:GRID, field:NAME@N), meshes (.obj .ply .stl .off, mesh:NAME), "
-                    "which are converted on the way, and molecules (.pdb .ent .cif .mmcif .xyz), "
-                    "all in one picture")
+    app->add_option(
+           "IN", command.inputs,
+           "Scene (.toml); or fields (.vdb .nrrd .nhdr .mhd .mha .nii .nii.gz, "
+           "FILE.vdb:GRID, field:NAME@N), meshes (.obj .ply .stl .off, mesh:NAME), "
+           "which are converted on the way, molecules (.pdb .ent .cif .mmcif .xyz), and SLIM "
+           "surfaces (.slim), all in one picture")
         ->required();
     app->add_option("-o,--output", command.output, "Picture to write (.png, .exr)")
         ->required()
@@ -251,10 +252,7 @@ SceneFile scene_of(const RenderCommand& command) {
     } else {
         for (const std::string& input : command.inputs) {
             SceneObject& object = scene.objects.emplace_back();
-            const Input found = input_from(input);
-            (found.is_mesh()    ? object.mesh
-             : found.is_field() ? object.field
-                                : object.molecule) = input;
+            source_of(object, input_from(input)) = input;
         }
         if (command.resolution &&
             std::ranges::all_of(scene.objects, &std::string::empty, &SceneObject::mesh))

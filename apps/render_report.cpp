@@ -106,7 +106,8 @@ void print_json(const RenderReport& report) {
                       {"cylinders", report.loaded.primitives->cylinders.size()},
                       {"triangles", report.loaded.primitives->triangle_count()},
                       {"patches", report.loaded.primitives->patch_count()},
-                      {"tetrahedra", report.loaded.primitives->tetrahedron_count()}};
+                      {"tetrahedra", report.loaded.primitives->tetrahedron_count()},
+                      {"slim_patches", report.loaded.primitives->slim_count()}};
     const BrickTotals bricks = totals_of(report);
     Json coarse; // null unless bricks were coarsened
     if (bricks.coarse_of > 0)
@@ -176,11 +177,12 @@ void explain(const RenderReport& report) {
     for (const std::string& note : frame.notes) fmt::print("{}\n", note);
     if (report.loaded.primitives)
         fmt::print(
-            "{} spheres, {} cylinders, {} triangles, {} patches, {} tetrahedra: {:.2f} MiB "
-            "on the GPU of those that can be seen\n",
+            "{} spheres, {} cylinders, {} triangles, {} patches, {} tetrahedra, {} SLIM patches: "
+            "{:.2f} MiB on the GPU of those that can be seen\n",
             report.loaded.primitives->spheres.size(), report.loaded.primitives->cylinders.size(),
             report.loaded.primitives->triangle_count(), report.loaded.primitives->patch_count(),
-            report.loaded.primitives->tetrahedron_count(), double(frame.splat_bytes) / mib);
+            report.loaded.primitives->tetrahedron_count(), report.loaded.primitives->slim_count(),
+            double(frame.splat_bytes) / mib);
     if (!report.loaded.objects.empty())
         fmt::print(
             "{} of {} bricks on the GPU, {} loaded; stored samples err by {:.2g} voxel at most\n",

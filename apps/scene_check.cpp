@@ -53,13 +53,13 @@ void check_object(const SceneFile& scene, std::size_t i, Problems& problems) {
     const SceneObject& object = scene.objects[i];
     const int sources = !object.field.empty() + !object.mesh.empty() + object.csg.has_value() +
                         !object.morph.empty() + !object.series.empty() + !object.molecule.empty() +
-                        !object.points.empty() + !object.tetrahedra.empty();
+                        !object.points.empty() + !object.tetrahedra.empty() + !object.slim.empty();
     if (sources != 1)
         problems.add(
             fmt::format("object.{}", i),
             fmt::format(
-                "one of field, mesh, csg, morph, series, molecule, points and tetrahedra is "
-                "needed, not {}",
+                "one of field, mesh, csg, morph, series, molecule, points, tetrahedra and slim "
+                "is needed, not {}",
                 sources == 0 ? "none" : std::to_string(sources)));
     if (!object.name.empty() && object_named(scene, object.name) != i)
         problems.add(key_of(i, "name"), fmt::format("there is another '{}'", object.name));
@@ -75,7 +75,7 @@ void check_object(const SceneFile& scene, std::size_t i, Problems& problems) {
         problems.add(key_of(i, "as"), "only meshes have triangles and patches");
     if (object.as == As::Spline &&
         (object.csg || !object.points.empty() || object.glyphs || !object.tetrahedra.empty() ||
-         (!object.molecule.empty() && !object.surface)))
+         !object.slim.empty() || (!object.molecule.empty() && !object.surface)))
         problems.add(key_of(i, "as"), "splines are made of fields");
     if (object.crease_degrees && object.as != As::Triangles)
         problems.add(key_of(i, "crease"), "for meshes that are drawn as triangles");
@@ -96,7 +96,7 @@ void check_object(const SceneFile& scene, std::size_t i, Problems& problems) {
             problems.add(key_of(i, key),
                          "for fields, which molecules, points and triangles are not");
     if (object.colour && is_of_primitives(object) && object.points.empty() &&
-        object.tetrahedra.empty() && object.as == As::Field)
+        object.tetrahedra.empty() && object.slim.empty() && object.as == As::Field)
         problems.add(key_of(i, "colour"), "molecules and glyphs have colours of their own");
     if (object.cut_colour && is_of_primitives(object))
         problems.add(key_of(i, "cut_colour"),
@@ -285,6 +285,13 @@ void check_scene(const SceneFile& scene) {
     if (texture.strength > 0 && texture.kind == SolidTexture::Kind::Volume && !texture.volume)
         problems.add("effects.solid_texture.kind", "volume: which? (effects.solid_texture.volume)");
     problems.end();
+}
+
+std::string& source_of(SceneObject& object, const Input& input) {
+    return input.is_mesh()    ? object.mesh
+           : input.is_field() ? object.field
+           : input.is_slim()  ? object.slim
+                              : object.molecule;
 }
 
 std::optional<std::size_t> object_named(const SceneFile& scene, const std::string& name) {

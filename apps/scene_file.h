@@ -17,8 +17,10 @@
 
 namespace isocast {
 
+struct Input;
+
 /// A field, and how it is drawn; or primitives: atoms, points, triangles. One of field, mesh, csg,
-/// morph, series, molecule, points and tetrahedra says where it comes from.
+/// morph, series, molecule, points, tetrahedra and slim says where it comes from.
 struct SceneObject {
     enum class Csg { Union, Intersection, Difference };
     std::string name;
@@ -41,6 +43,7 @@ struct SceneObject {
     PointLook point_look;                    // of them
 
     std::string tetrahedra; // file of quadratic functions in tetrahedra
+    std::string slim;       // file of a SLIM surface
     /// Meshes as they are, not as fields; fields as quadrics in tetrahedra.
     enum class As { Field, Triangles, Patches, Spline };
     As as = As::Field;
@@ -163,13 +166,16 @@ void set_number(SceneFile& scene, const std::string& key, double value);
 /// throws  InputError with every problem
 void check_scene(const SceneFile& scene);
 
+/// Where it says that it comes from such an input.
+std::string& source_of(SceneObject& object, const Input& input);
+
 /// By its name.
 std::optional<std::size_t> object_named(const SceneFile& scene, const std::string& name);
 
 /// Whether it has a field, which its glyphs stand on if it has some.
 inline bool has_field(const SceneObject& object) {
     return !object.csg && (object.molecule.empty() || object.surface) && object.points.empty() &&
-           object.tetrahedra.empty() && object.as == SceneObject::As::Field;
+           object.tetrahedra.empty() && object.slim.empty() && object.as == SceneObject::As::Field;
 }
 /// Whether it is drawn as primitives, not as a field.
 inline bool is_of_primitives(const SceneObject& object) {

@@ -160,8 +160,8 @@ SceneTable object_table() {
     using As = SceneObject::As;
     return {
         "object",
-        "What is drawn. One of field, mesh, csg, morph, series, molecule, points and tetrahedra "
-        "says what it is. "
+        "What is drawn. One of field, mesh, csg, morph, series, molecule, points, tetrahedra and "
+        "slim says what it is. "
         "Objects that another one is made of are not drawn themselves.",
         {text("name", object(&SceneObject::name), "By which others refer to it"),
          input("field", &SceneObject::field, "a field", "file or field:NAME@N",
@@ -265,6 +265,8 @@ SceneTable object_table() {
                  file.objects[i].tetrahedra = existing(resolved(text_of(value), folder));
              },
              path_of(&SceneObject::tetrahedra)),
+         input("slim", &SceneObject::slim, "a SLIM surface", "file",
+               "A surface of overlapping pieces of quadrics, from .slim (`isocast convert`)"),
          number("radius", point_look(&PointLook::radius_world), positive,
                 "Points: of those without a column `radius`"),
          number("radius_pixels", point_look(&PointLook::radius_pixels), positive,

@@ -6,6 +6,8 @@
 #include "distance_transform/mesh_files.h"
 #include "filtering/morph.h"
 #include "quadrics/quadratic_spline.h"
+#include "quadrics/slim_blend.h"
+#include "quadrics/slim_file.h"
 #include "raycaster/shown_surfaces.h"
 #include "volume/errors.h"
 #include "volume/files.h"
@@ -109,7 +111,7 @@ std::vector<std::string> inputs_of(const SceneObject& object) {
         return {next.before.path, next.after.path};
     }
     if (object.csg || !object.morph.empty() || !object.molecule.empty() || !object.points.empty() ||
-        !object.tetrahedra.empty())
+        !object.tetrahedra.empty() || !object.slim.empty())
         return {};
     return {object.mesh.empty() ? object.field : object.mesh};
 }
@@ -203,6 +205,7 @@ void SceneObjects::open(const SceneFile& scene) {
     read_once(&SceneObject::points, points_, [](const auto& path) { return read_points(path); });
     read_once(&SceneObject::tetrahedra, tetrahedra_,
               [](const auto& path) { return read_tetrahedra(path); });
+    read_once(&SceneObject::slim, slims_, [](const auto& path) { return read_slim(path); });
 }
 
 std::shared_ptr<const Molecule> SceneObjects::molecule_of(const SceneObject& object) const {
@@ -551,6 +554,8 @@ Scene SceneObjects::compose(const SceneFile& scene, const Progress& progress,
             for (Vec3d& vertex : mesh.vertices_world) vertex = to_world * vertex;
             add(primitives->tetrahedra, std::move(mesh));
         }
+        if (!object.slim.empty())
+            add(primitives->slims, placed(slims_.at(object.slim), object.placement.to_world()));
     }
     if (primitives->count() > 0) out.primitives = std::move(primitives);
     out.cut = scene.cut;

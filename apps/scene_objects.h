@@ -5,6 +5,7 @@
 #include "apps/field_series.h"
 #include "apps/inputs.h"
 #include "apps/scene_file.h"
+#include "quadrics/slim.h"
 #include "quadrics/tetrahedral_field.h"
 #include "raycaster/curved_points.h"
 #include "volume/half_space.h"
@@ -119,6 +120,7 @@ private:
     std::vector<std::pair<MoleculeKey, std::shared_ptr<const Molecule>>> molecules_;
     std::map<std::string, PointData> points_;            // by path
     std::map<std::string, TetrahedralField> tetrahedra_; // by path
+    std::map<std::string, SlimSurface> slims_;           // by path
     struct MadeSpline {
         std::shared_ptr<const FieldSource> field;
         double iso_world = 0;

@@ -41,6 +41,17 @@ Eigen::AlignedBox2d clipped(std::vector<Pixel> polygon, const SplatView& view) {
     return box;
 }
 
+std::optional<PixelBox> cover_of(const Eigen::AlignedBox2d& box, const SplatView& view) {
+    const Eigen::Vector2d lo = (box.min().array() - margin_pixels).max(-1);
+    const Eigen::Vector2d hi =
+        (box.max().array() + margin_pixels).min(Eigen::Array2d(view.width + 1, view.height + 1));
+    const Eigen::Vector2d first = (lo.array() - 0.5).ceil().max(0);
+    const Eigen::Vector2d last =
+        (hi.array() - 0.5).floor().min(Eigen::Array2d(view.width - 1, view.height - 1));
+    if ((first.array() > last.array()).any()) return std::nullopt;
+    return PixelBox{float(lo.x()), float(hi.x()), float(lo.y()), float(hi.y())};
+}
+
 std::optional<PixelBox> cover_of(std::span<const Vec3d, 4> corners_world, const SplatView& view) {
     std::array<Pixel, 4> pixels;
     bool is_behind = false; // in part
@@ -56,14 +67,7 @@ std::optional<PixelBox> cover_of(std::span<const Vec3d, 4> corners_world, const 
     } else {
         for (const Pixel& p : pixels) box.extend(Eigen::Vector2d(p.head<2>() / p.z()));
     }
-    const Eigen::Vector2d lo = (box.min().array() - margin_pixels).max(-1);
-    const Eigen::Vector2d hi =
-        (box.max().array() + margin_pixels).min(Eigen::Array2d(view.width + 1, view.height + 1));
-    const Eigen::Vector2d first = (lo.array() - 0.5).ceil().max(0);
-    const Eigen::Vector2d last =
-        (hi.array() - 0.5).floor().min(Eigen::Array2d(view.width - 1, view.height - 1));
-    if ((first.array() > last.array()).any()) return std::nullopt;
-    return PixelBox{float(lo.x()), float(hi.x()), float(lo.y()), float(hi.y())};
+    return cover_of(box, view);
 }
 
 } // namespace isocast

@@ -24,6 +24,9 @@ Pixel pixel_of(const Vec3d& p_world, const SplatView& view);
 /// The box of the part of the polygon that is within the picture; empty if none is.
 Eigen::AlignedBox2d clipped(std::vector<Pixel> polygon, const SplatView& view);
 
+/// Of a box in the picture [pixels], with the margin.
+/// returns  none if it holds no middle of a pixel
+std::optional<PixelBox> cover_of(const Eigen::AlignedBox2d& box, const SplatView& view);
 /// Of the picture of a tetrahedron, with the margin.
 /// returns  none if it holds no middle of a pixel
 std::optional<PixelBox> cover_of(std::span<const Vec3d, 4> corners_world, const SplatView& view);

@@ -3,6 +3,7 @@
 
 #include "quadrics/in_parallel.h"
 #include "quadrics/patch_splats.h"
+#include "quadrics/slim_splats.h"
 
 #include <tbb/parallel_invoke.h>
 
@@ -61,6 +62,9 @@ std::size_t size_of(const PatchMesh& mesh) {
 std::size_t size_of(const TetrahedralMesh& mesh) {
     return mesh.tetrahedra.size();
 }
+std::size_t size_of(const SlimSurface& surface) {
+    return surface.levels.front().patches.size();
+}
 Triangle element_of(const TriangleMesh& mesh, std::size_t i) {
     return triangle_of(mesh, i);
 }
@@ -70,6 +74,10 @@ Patch element_of(const PatchMesh& mesh, std::size_t i) {
 Tetrahedron element_of(const TetrahedralMesh& mesh, std::size_t i) {
     return tetrahedron_of(mesh, i);
 }
+SlimPiece element_of(const SlimSurface& surface, std::size_t i) {
+    const SlimLevel& finest = surface.levels.front();
+    return {finest.patches[i], finest.max_error_world};
+}
 SplatKind kind_of(const TriangleMesh&) {
     return SplatKind::Triangle;
 }
@@ -78,6 +86,10 @@ SplatKind kind_of(const PatchMesh&) {
 }
 SplatKind kind_of(const TetrahedralMesh&) {
     return SplatKind::Tetrahedron;
+}
+
+SplatKind kind_of(const SlimSurface&) {
+    return SplatKind::Slim;
 }
 
 /// From the eye; empty if nothing of it is to be met.
@@ -234,7 +246,7 @@ Eigen::Vector4i packed(const Eigen::Vector3f& corner, int more) {
 
 } // namespace
 
-static_assert(splat_kind_count <= 8, "a leaf's kind has three bits");
+static_assert(splat_kind_count <= 16, "a leaf's kind has four bits");
 
 PrimitiveTree tree_of(const Primitives& primitives, const Vec3d& eye_world,
                       const std::vector<CutPlane>& planes) {
@@ -256,7 +268,7 @@ PrimitiveTree tree_of(const Primitives& primitives, const Vec3d& eye_world,
     tree.nodes.reserve(2 * nodes.size());
     for (const Node& node : nodes) {
         const bool is_leaf = node.count > 0;
-        const int look = is_leaf ? -1 - (static_cast<int>(node.first->kind) + 8 * (node.count - 1))
+        const int look = is_leaf ? -1 - (static_cast<int>(node.first->kind) + 16 * (node.count - 1))
                                  : node.subtree;
         const std::size_t start =
             is_leaf ? starts[static_cast<std::size_t>(node.first - items.data())] / 4 : 0;

@@ -11,7 +11,7 @@ namespace isocast {
 /// its digits.
 struct PrimitiveTree {
     /// Two for each node, depth first: the box's low corner, and how many nodes the subtree has, of
-    /// leaves -1 - (kind + 8 (count - 1)); its high corner, and where a leaf's first body starts
+    /// leaves -1 - (kind + 16 (count - 1)); its high corner, and where a leaf's first body starts
     /// [4 floats]. Corners by the bits of floats. A ray passes by a subtree in one step, so that it
     /// needs no stack.
     std::vector<Eigen::Vector4i> nodes;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "quadrics/primitives.h"
 
+#include "quadrics/slim_blend.h"
 #include "quadrics/superquadric.h"
 #include "volume/errors.h"
 
@@ -111,6 +112,7 @@ void check(const Primitives& primitives) {
     check(std::span(primitives.meshes));
     check(std::span(primitives.patches));
     check(std::span(primitives.tetrahedra));
+    for (const SlimSurface& surface : primitives.slims) check(surface);
     check(std::span(primitives.dots));
 }
 
@@ -125,6 +127,24 @@ void extend(Eigen::AlignedBox3d& box, const Vec3d& centre, const Vec3d& half) {
 /// Half the extent of a disc across the unit vector `axis`.
 Vec3d half_extent_of_disc(const Vec3d& axis, double radius) {
     return radius * (1 - axis.array().square()).max(0).sqrt();
+}
+
+} // namespace
+
+namespace {
+
+template<class Mesh>
+void extend_by(Eigen::AlignedBox3d& box, const Mesh& mesh) {
+    for (const Vec3d& vertex : mesh.vertices_world) box.extend(vertex);
+}
+void extend_by(Eigen::AlignedBox3d& box, const SlimSurface& surface) {
+    for (const SlimLevel& level : surface.levels)
+        for (const SlimPatch& patch : level.patches)
+            for (int axis = 0; axis < 3; ++axis)
+                for (const int side : {-1, 1}) {
+                    const Vec3d d = side * Vec3d::Unit(axis);
+                    box.extend(Vec3d(patch.centre_world + support(patch, d) * d));
+                }
 }
 
 } // namespace
@@ -148,9 +168,7 @@ Eigen::AlignedBox3d box_of(const Primitives& primitives) {
         extend_between(c.a_world, c.b_world, c.radius_a_world, c.radius_b_world);
     for (const ClippedQuadric& q : primitives.quadrics)
         extend(box, q.centre_world, q.axes_world.cwiseAbs().rowwise().sum());
-    for_each_mesh(primitives, [&](const auto& mesh) {
-        for (const Vec3d& vertex : mesh.vertices_world) box.extend(vertex);
-    });
+    for_each_mesh(primitives, [&](const auto& mesh) { extend_by(box, mesh); });
     for (const Superquadric& s : primitives.superquadrics)
         extend(
             box, s.centre_world,
@@ -191,6 +209,20 @@ Vec3d farthest_point(const ClippedQuadric& q, const Vec3d& d) {
     return q.centre_world + q.axes_world * (q.axes_world.transpose() * d).cwiseSign();
 }
 
+namespace {
+
+template<class Mesh, class Offer>
+void offer_all(const Mesh& mesh, const Vec3d&, Offer offer) {
+    for (const Vec3d& vertex : mesh.vertices_world) offer(vertex);
+}
+template<class Offer>
+void offer_all(const SlimSurface& surface, const Vec3d& d, Offer offer) {
+    for (const SlimPatch& patch : surface.levels.front().patches)
+        offer(Vec3d(patch.centre_world + support(patch, d) * d));
+}
+
+} // namespace
+
 std::vector<Vec3d> extreme_points(const Primitives& primitives) {
     constexpr int count = 128;
     std::vector<Vec3d> points;
@@ -211,9 +243,7 @@ std::vector<Vec3d> extreme_points(const Primitives& primitives) {
         for_each_kind(primitives, [&](const auto& some) {
             for (const auto& one : some) offer(farthest_point(one, d));
         });
-        for_each_mesh(primitives, [&](const auto& mesh) {
-            for (const Vec3d& vertex : mesh.vertices_world) offer(vertex);
-        });
+        for_each_mesh(primitives, [&](const auto& mesh) { offer_all(mesh, d, offer); });
         if (std::isfinite(farthest)) points.push_back(point);
     }
     return points;

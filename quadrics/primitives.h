@@ -1,9 +1,10 @@
 // What is drawn one by one: spheres, ellipsoids, cylinders, cones, general quadrics in a box,
-// superquadrics, triangles, bilinear patches and quadrics in tetrahedra.
+// superquadrics, triangles, bilinear patches, quadrics in tetrahedra and SLIM surfaces.
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
 #include "quadrics/bilinear.h"
+#include "quadrics/slim.h"
 #include "quadrics/tetrahedra.h"
 #include "quadrics/triangles.h"
 
@@ -102,17 +103,27 @@ struct Primitives {
     std::vector<TriangleMesh> meshes;
     std::vector<PatchMesh> patches;
     std::vector<TetrahedralMesh> tetrahedra;
+    std::vector<SlimSurface> slims;
     std::vector<Dot> dots; // spheres once there is a picture: with_dots_as_spheres()
 
     std::size_t solid_count() const; // of all but meshes and dots
-    std::size_t mesh_count() const { return meshes.size() + patches.size() + tetrahedra.size(); }
+    std::size_t mesh_count() const {
+        return meshes.size() + patches.size() + tetrahedra.size() + slims.size();
+    }
     std::size_t triangle_count() const { return sum_of(meshes, &TriangleMesh::triangles); }
     std::size_t patch_count() const { return sum_of(patches, &PatchMesh::quads); }
     std::size_t tetrahedron_count() const {
         return sum_of(tetrahedra, &TetrahedralMesh::tetrahedra);
     }
+    /// Pieces of the finest levels.
+    std::size_t slim_count() const {
+        std::size_t sum = 0;
+        for (const SlimSurface& surface : slims) sum += surface.levels.front().patches.size();
+        return sum;
+    }
     std::size_t count() const {
-        return solid_count() + triangle_count() + patch_count() + tetrahedron_count() + dots.size();
+        return solid_count() + triangle_count() + patch_count() + tetrahedron_count() +
+               slim_count() + dots.size();
     }
 
 private:
@@ -136,12 +147,13 @@ void for_each_kind(SomePrimitives& primitives, Function f) {
     f(primitives.superquadrics);
 }
 
-/// Calls f with the meshes of each kind, whose numbers follow.
+/// Calls f with the meshes of each kind, whose numbers follow; SLIM surfaces are the last.
 template<class SomePrimitives, class Function>
 void for_each_mesh(SomePrimitives& primitives, Function f) {
     for (auto& mesh : primitives.meshes) f(mesh);
     for (auto& mesh : primitives.patches) f(mesh);
     for (auto& mesh : primitives.tetrahedra) f(mesh);
+    for (auto& surface : primitives.slims) f(surface);
 }
 
 /// Calls f with the primitive of this number, which is none of a mesh or a dot.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 
@@ -36,6 +37,21 @@ std::optional<std::array<Vec3d, 2>> within_sphere(const Vec3d& a, const Vec3d& b
     const double to = std::min(middle + half, 1.0);
     if (!(from < to)) return std::nullopt;
     return std::array<Vec3d, 2>{a + from * d, a + to * d};
+}
+
+/// Of a triangle that turns left, to its inside as well.
+double distance(const Eigen::Vector2d& p, const std::array<Eigen::Vector2d, 3>& corners) {
+    bool is_inside = true;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Eigen::Vector2d side = corners[(k + 1) % 3] - corners[k];
+        const Eigen::Vector2d from = p - corners[k];
+        is_inside = is_inside && side.x() * from.y() >= side.y() * from.x();
+        const double length2 = side.squaredNorm();
+        const double share = length2 > 0 ? std::clamp(from.dot(side) / length2, 0.0, 1.0) : 0;
+        least = std::min(least, (from - share * side).norm());
+    }
+    return is_inside ? 0 : least;
 }
 
 } // namespace
@@ -292,13 +308,68 @@ bool SlimFitter::clip(SlimPatch& patch, double max_error_world) {
            });
 }
 
+/// Whether the part reaches wherever the planes let the patch reach its sphere. Two planes along a
+/// sliver of a part keep a needle beyond its short end, which lies within the error of both.
+bool SlimFitter::ends_with_part(const SlimPatch& patch, double max_error_world) const {
+    const Mat3d axes = slim_axes(patch.normal);
+    std::vector<std::array<Eigen::Vector2d, 3>> part;
+    for (const Leaf& leaf : leaves_) {
+        auto& corners = part.emplace_back();
+        for (std::size_t k = 0; k < 3; ++k)
+            corners[k] = (axes.transpose() * leaf.corners[k]).head<2>();
+    }
+    const auto rim = [&](double turn) {
+        const double angle = 2 * std::numbers::pi * turn;
+        const auto& h = patch.height;
+        Vec3d q;
+        double rho = patch.radius_world;
+        for (int round = 0; round < 3; ++round) { // towards the sphere
+            const double u = rho * std::cos(angle);
+            const double v = rho * std::sin(angle);
+            q = {u, v, h[0] + h[1] * u + h[2] * v + h[3] * u * u + h[4] * u * v + h[5] * v * v};
+            rho *= patch.radius_world / q.norm();
+        }
+        return q;
+    };
+    const auto is_covered = [&](double turn) {
+        const Vec3d q = rim(turn);
+        return !is_kept(patch, axes * q) || std::ranges::any_of(part, [&](const auto& corners) {
+            return distance(q.head<2>(), corners) <= 2 * max_error_world;
+        });
+    };
+    // The arcs between planes, however short.
+    constexpr int steps = 48;
+    std::vector<double> turns;
+    for (int i = 0; i < steps; ++i) turns.push_back(double(i) / steps);
+    for (std::size_t k = 0; k < static_cast<std::size_t>(patch.plane_count); ++k) {
+        const auto side = [&](double turn) { return patch.planes[k].side_of(axes * rim(turn)); };
+        for (int i = 0; i < steps; ++i) {
+            double lo = double(i) / steps;
+            double hi = double(i + 1) / steps;
+            const bool is_in = side(lo) >= 0;
+            if (is_in == (side(hi) >= 0)) continue;
+            for (int round = 0; round < 40; ++round)
+                (((side((lo + hi) / 2) >= 0) == is_in) ? lo : hi) = (lo + hi) / 2;
+            turns.push_back(lo);
+        }
+    }
+    std::ranges::sort(turns);
+    for (std::size_t i = 0; i < turns.size(); ++i) {
+        const double next = i + 1 < turns.size() ? turns[i + 1] : 1;
+        if (!is_covered((turns[i] + next) / 2)) return false;
+    }
+    return true;
+}
+
 std::optional<SlimPiece> SlimFitter::fit_collected(const Vec3d& centre_world, double radius_world,
                                                    double max_error_world) {
     SlimPiece piece{.patch = fitted(centre_world, radius_world)};
     if (!is_graph(piece.patch.normal, least_cosine)) return std::nullopt;
     piece.residual_world = residual(piece.patch);
     if (!(piece.residual_world <= (ends_.empty() ? 1 : 0.5) * max_error_world)) return std::nullopt;
-    if (!ends_.empty() && !clip(piece.patch, max_error_world)) return std::nullopt;
+    if (!ends_.empty() &&
+        !(clip(piece.patch, max_error_world) && ends_with_part(piece.patch, max_error_world)))
+        return std::nullopt;
     piece.triangles = part_;
     return piece;
 }

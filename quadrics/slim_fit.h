@@ -29,7 +29,7 @@ public:
     /// so that neighbours across a crease, each half an error longer than it is, meet.
     ///
     /// returns   nothing if no patch keeps the error: the part bends too much, or back, or has more
-    ///           than two ends
+    ///           than two ends, or ends where no plane does
     /// accuracy  heights over the samples, the mesh's vertices, are no greater than the error; over
     ///           the surface between them, at corners and middles of edges of its parts of 0.7 of
     ///           the radius, than that and twice as far as the triangle bows (flat ones do not);
@@ -66,6 +66,7 @@ private:
     double residual(const SlimPatch& patch) const;
     int group_ends();
     bool clip(SlimPatch& patch, double max_error_world);
+    bool ends_with_part(const SlimPatch& patch, double max_error_world) const;
     std::optional<SlimPiece> fit_collected(const Vec3d& centre_world, double radius_world,
                                            double max_error_world);
 

@@ -5,6 +5,7 @@
 #include "quadrics/in_parallel.h"
 #include "quadrics/patch_splats.h"
 #include "quadrics/quadric.h"
+#include "quadrics/slim_splats.h"
 #include "quadrics/superquadric.h"
 #include "quadrics/triangle_splats.h"
 #include "quadrics/visibility.h"
@@ -383,6 +384,7 @@ Splats splats_of(const Primitives& primitives, const SplatView& view) {
     for (const PatchMesh& mesh : primitives.patches) append_splats(mesh, number++, view, out);
     for (const TetrahedralMesh& mesh : primitives.tetrahedra)
         append_splats(mesh, number++, view, out);
+    for (const SlimSurface& surface : primitives.slims) append_splats(surface, number++, view, out);
     return out;
 }
 

@@ -54,9 +54,10 @@ enum class SplatKind {
     Superquadric,
     Triangle,
     Patch,
-    Tetrahedron
+    Tetrahedron,
+    Slim, // pieces that are blended: slim_splats.h
 };
-inline constexpr int splat_kind_count = 8;
+inline constexpr int splat_kind_count = 9;
 inline constexpr unsigned all_splat_kinds = (1U << splat_kind_count) - 1; // by bits
 template<class Primitive>
 inline constexpr SplatKind splat_kind = SplatKind::Cone; // of cylinders, too
@@ -74,7 +75,7 @@ constexpr SplatKind splat_kind_of(const Primitive&) {
 }
 
 /// Floats of a splat, by kind; shaders/quadrics/splat.glsl says which.
-inline constexpr std::array<int, splat_kind_count> splat_floats{12, 24, 20, 36, 24, 24, 24, 52};
+inline constexpr std::array<int, splat_kind_count> splat_floats{12, 24, 20, 36, 24, 24, 24, 52, 36};
 
 /// Of these its place in the picture, before its body.
 constexpr int place_floats(SplatKind kind) {

@@ -33,9 +33,10 @@ double shadow_strength(const Look& look) {
 
 } // namespace
 
-void check_direct(const Look& look, bool has_fields) {
+void check_direct(const Look& look, bool has_fields, bool has_slims) {
     std::vector<std::string> wrong;
     if (has_fields) wrong.emplace_back("fields");
+    if (has_slims) wrong.emplace_back("SLIM surfaces");
     if (look.model != ShadingModel::BlinnPhong) wrong.emplace_back("other models than blinn-phong");
     if (look.shows_environment) wrong.emplace_back("the environment");
     for (const Layer& layer : layers_of(look))
@@ -82,6 +83,7 @@ std::vector<gl::ProgramKey> direct_programs() {
     for (const bool is_perspective : {false, true})
         for (int k = 0; k < splat_kind_count; ++k) {
             const auto kind = static_cast<SplatKind>(k);
+            if (kind == SplatKind::Slim) continue;
             for (const Shadow shadow : {Shadow::None, Shadow::Hard, Shadow::Soft})
                 keys.push_back(direct_program(kind, is_perspective, {}, false, 1, shadow));
             keys.push_back(

@@ -6,8 +6,9 @@
 
 namespace isocast {
 
-/// throws  InputError that names all that direct shading cannot draw of the look and of fields
-void check_direct(const Look& look, bool has_fields);
+/// throws  InputError that names all that direct shading cannot draw of the look, of fields and of
+///         SLIM surfaces
+void check_direct(const Look& look, bool has_fields, bool has_slims);
 
 ImageSet direct_reads(const FrameContext& frame);
 /// FrameImage::Beauty, of primitives alone: what run_shading() makes of hits, in each fragment.

@@ -3,6 +3,7 @@
 
 #include "gl/readback.h"
 #include "raycaster/composition.h"
+#include "raycaster/slim_passes.h"
 #include "raycaster/splat_passes.h"
 
 #include <Eigen/Eigenvalues>
@@ -270,7 +271,7 @@ void draw_derivatives(FrameContext& frame, int order, FieldOnGpu& (*field_of)(co
         program.set("u_object", i + 1);
         draw_on_tiles(object, program);
     }
-    if (frame.seen.splats) draw_splat_derivatives(frame, order);
+    if (frame.seen.splats) draw_splat_derivatives(frame, order, target);
 }
 
 } // namespace
@@ -481,6 +482,12 @@ void cast_rays(FrameContext& frame, const ImageSet& derived) {
         run_bounds(frame);
     }
     if (frame.seen.splats) {
+        if (has_slims(frame)) {
+            for (const FrameImage image : {FrameImage::SlimNearest, FrameImage::SlimHit})
+                frame.targets.make(image, frame.width, frame.height);
+            run_slim_nearest(frame);
+            run_slim_hits(frame);
+        }
         frame.targets.make(FrameImage::Splat, frame.width, frame.height);
         run_splats(frame);
     }

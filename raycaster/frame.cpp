@@ -46,7 +46,6 @@ Mat3d view_vector_coefficients(const Camera& camera, int width, int height, doub
 /// Two triangles for each run of tiles.
 void draw_runs(const FrameContext& frame, const gl::Program& program, const NumbersOnGpu& runs,
                int run_count) {
-    set_fixed_state();
     frame.no_vertices.bind();
     runs.texture.bind_to_unit(31);
     program.set("u_clip_from_tile",
@@ -140,7 +139,16 @@ void draw_on_tiles(const FrameContext& frame, const gl::Program& program) {
 
 void draw_on_tiles(const FrameContext& frame, const gl::Program& program,
                    const PlacesOnGpu& tiles) {
+    set_fixed_state();
     draw_runs(frame, program, tiles.runs, tiles.run_count);
+}
+
+void draw_on_tiles_by_depth(const FrameContext& frame, const gl::Program& program) {
+    set_fixed_state();
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_GREATER);
+    draw_runs(frame, program, frame.places.runs, frame.places.run_count);
+    glDisable(GL_DEPTH_TEST);
 }
 
 void draw_tiles(const FrameContext& frame, FrameImage image, const gl::Program& program,
@@ -163,6 +171,7 @@ void draw_everywhere(const FrameContext& frame, FrameImage image, const gl::Prog
     frame.targets.framebuffer(image).bind();
     const std::vector<Eigen::Vector4i> runs = whole_picture(frame.part.width, frame.part.height);
     const NumbersOnGpu all{std::as_bytes(std::span(runs)), gl::Format::Rgba32i, "whole picture"};
+    set_fixed_state();
     draw_runs(frame, program, all, static_cast<int>(runs.size()));
 }
 
@@ -218,6 +227,7 @@ gl::Format format_of(FrameImage image) {
     case FrameImage::SplatSurface:
         return gl::Format::Rg32ui;
     case FrameImage::Bounds:
+    case FrameImage::SlimNearest:
     case FrameImage::Shadow:
         return gl::Format::Rg32f;
     case FrameImage::Splat:

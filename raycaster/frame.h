@@ -156,6 +156,8 @@ void set_first_pixel(const FrameContext& frame, const gl::Program& program);
 void draw_on_tiles(const FrameContext& frame, const gl::Program& program);
 /// The same on tiles of one's own.
 void draw_on_tiles(const FrameContext& frame, const gl::Program& program, const PlacesOnGpu& tiles);
+/// The same where gl_FragDepth is greater than what is there.
+void draw_on_tiles_by_depth(const FrameContext& frame, const gl::Program& program);
 /// The same into an image whose other pixels become `empty`.
 void draw_tiles(const FrameContext& frame, FrameImage image, const gl::Program& program,
                 const Eigen::Vector4f& empty);

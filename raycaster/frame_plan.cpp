@@ -13,6 +13,8 @@ std::string_view name_of(FrameImage image) {
     constexpr std::array<std::string_view, frame_image_count> names{"bounds",
                                                                     "splat",
                                                                     "splat surface",
+                                                                    "slim nearest",
+                                                                    "slim hit",
                                                                     "hit",
                                                                     "steps",
                                                                     "gradient",

@@ -16,8 +16,11 @@ enum class FrameImage {
     Splat,  // number of the first primitive + 1, as this camera's splats are numbered; 0: none
     SplatSurface, // integers: number of its colour + 1, with bit 31 of the half at b of a stick, 0:
                   // none; its normal, view space, as shaders/common/octahedral.glsl
-    Hit,          // first hit: eye-relative position [world], object
-    Steps,        // how often the ray's search looked at the field
+    SlimNearest,  // of SLIM surfaces: where the sheet that shows surely lies behind, by depth;
+                 // number of its colour + 1, 0: none
+    SlimHit,   // their blended hit: unit normal, view space; depth, 1e30 where there is none
+    Hit,       // first hit: eye-relative position [world], object
+    Steps,     // how often the ray's search looked at the field
     Gradient,  // gradient of the field at the hit [1/world * world], world axes; of primitives the
                // unit normal, then how wide they are, by 16 pixels and 1 at most; 1 for fields
     Curvature, // principal curvatures k1 >= k2 [1/world], 0; 1, or 2 where the gradient vanishes,
@@ -47,7 +50,7 @@ enum class FrameImage {
     Slice,
     Beauty, // shaded colour, linear; coverage
 };
-inline constexpr int frame_image_count = 29;
+inline constexpr int frame_image_count = 31;
 
 std::string_view name_of(FrameImage image);
 

@@ -9,6 +9,7 @@
 #include "raycaster/effects/shadow.h"
 #include "raycaster/field_passes.h"
 #include "raycaster/shading.h"
+#include "raycaster/slim_passes.h"
 #include "raycaster/splat_passes.h"
 
 namespace isocast {
@@ -18,10 +19,19 @@ std::vector<Pass> declare_passes(FrameContext& frame) {
     if (frame.one != nullptr && frame.scene.quality.traversal == Traversal::BoundingFaces)
         hit_reads.insert(FrameImage::Bounds);
     if (frame.seen.splats) hit_reads.insert(FrameImage::Splat);
+    ImageSet splat_reads;
+    if (has_slims(frame)) splat_reads = {FrameImage::SlimNearest, FrameImage::SlimHit};
+    hit_reads.insert(splat_reads);
     std::vector<Pass> passes{
         {"bounds", {}, FrameImage::Bounds, [&frame] { run_bounds(frame); }},
-        {"splats", {}, FrameImage::Splat, [&frame] { run_splats(frame); }},
-        {"splat surfaces", {}, FrameImage::SplatSurface, [&frame] { run_splat_surfaces(frame); }},
+        {"slim nearest", {}, FrameImage::SlimNearest, [&frame] { run_slim_nearest(frame); }},
+        {"slim hits",
+         {FrameImage::SlimNearest},
+         FrameImage::SlimHit,
+         [&frame] { run_slim_hits(frame); }},
+        {"splats", splat_reads, FrameImage::Splat, [&frame] { run_splats(frame); }},
+        {"splat surfaces", splat_reads, FrameImage::SplatSurface,
+         [&frame] { run_splat_surfaces(frame); }},
         {"raycast", hit_reads, FrameImage::Hit, [&frame] { run_hits(frame); }},
         {"steps", {FrameImage::Hit}, FrameImage::Steps, [] {}},              // with the hits
         {"splat colour", {FrameImage::Hit}, FrameImage::SplatColour, [] {}}, // with the hits

@@ -2,6 +2,7 @@
 #include "raycaster/primitives_reference.h"
 
 #include "quadrics/quadric.h"
+#include "quadrics/slim_splats.h"
 #include "quadrics/superquadric.h"
 #include "raycaster/splats_on_gpu.h"
 
@@ -210,6 +211,67 @@ Vec3d colour_of(const Cylinder& stick, const Vec3d& p_world) {
     return is_at_b ? stick.colour_b.value_or(stick.colour) : stick.colour;
 }
 
+/// Of SLIM surfaces, pixel by pixel: the pieces that their rays meet. The one whose sheet ends
+/// first shows.
+class SlimPixels {
+public:
+    /// surfaces     must outlive it
+    /// first, count of the pixels that it looks at
+    SlimPixels(const std::vector<SlimSurface>& surfaces, const SplatView& view, std::size_t first,
+               std::size_t count)
+        : surfaces_(surfaces), view_(view), first_(first), fragments_(count) {}
+
+    /// look_at  (window, f): calls f(ray, kept, pixel) for the pixels of the window
+    template<class LookAt>
+    void cast(const Picture& picture, LookAt look_at) {
+        for (std::size_t s = 0; s < surfaces_.size(); ++s) {
+            const bool faces_front = shows_outside_only(surfaces_[s], view_);
+            for (std::size_t l = 0; l < surfaces_[s].levels.size(); ++l) {
+                const SlimLevel& level = surfaces_[s].levels[l];
+                const SlimFade fade = slim_fade(surfaces_[s], l, view_.pixels_per_unit);
+                for (const SlimPatch& patch : level.patches)
+                    look_at(window_of(Sphere{patch.centre_world, patch.radius_world}, picture),
+                            [&](const Ray& ray, const Kept& kept, std::size_t pixel) {
+                                auto fragment =
+                                    slim_fragment(patch, level.max_error_world, ray.origin_world,
+                                                  ray.direction_world, faces_front, kept.t_near);
+                                if (!fragment || fragment->hit.t > kept.t_far) return;
+                                fragment->hit.weight *=
+                                    fade.at(view_.space.is_perspective ? fragment->hit.t : 1);
+                                if (fragment->hit.weight > 0)
+                                    fragments_[pixel - first_].push_back({s, *fragment});
+                            });
+            }
+        }
+    }
+
+    struct Shown {
+        std::size_t surface = 0;
+        SlimHit hit;
+    };
+    std::optional<Shown> shown(std::size_t pixel) const {
+        const auto& met = fragments_[pixel - first_];
+        if (met.empty()) return std::nullopt;
+        const std::size_t surface = std::ranges::min_element(met, {}, [](const Fragment& f) {
+                                        return f.of_surface.hit.t + f.of_surface.reach;
+                                    })->surface;
+        std::vector<SlimFragment> own;
+        for (const Fragment& f : met)
+            if (f.surface == surface) own.push_back(f.of_surface);
+        return Shown{surface, *blended(own)};
+    }
+
+private:
+    struct Fragment {
+        std::size_t surface;
+        SlimFragment of_surface;
+    };
+    const std::vector<SlimSurface>& surfaces_;
+    const SplatView& view_;
+    std::size_t first_;
+    std::vector<std::vector<Fragment>> fragments_;
+};
+
 /// Of a mesh with normals at corners.
 /// twin  shaders/quadrics/triangle.glsl: smooth_normal()
 Vec3d smooth_normal(const TriangleMesh& mesh, std::size_t triangle, const RayHit& hit,
@@ -237,6 +299,8 @@ std::vector<SeenPrimitive> cast_primitives(const Primitives& with_dots, const Ca
                           picture_space(camera)};
     const Primitives primitives =
         with_dots_as_spheres(with_dots, picture.space, picture.pixels_per_unit);
+    const SplatView view{
+        .space = picture.space, .pixels_per_unit = picture.pixels_per_unit, .planes = planes};
     std::vector<SeenPrimitive> seen(static_cast<std::size_t>(part.width) *
                                     static_cast<std::size_t>(part.height));
     std::vector<double> orders(seen.size(), nowhere);
@@ -245,22 +309,31 @@ std::vector<SeenPrimitive> cast_primitives(const Primitives& with_dots, const Ca
         const int first_row = part.y + strip * rows;
         const int last_row = std::min(first_row + rows, part.y + part.height);
         int number = 0;
-        const auto cast_one = [&](const auto& one, auto shade) {
-            const Window window = window_of(one, picture);
+        /// visit  (ray, kept, pixel of the part)
+        const auto look_at = [&](const Window& window, auto visit) {
             for (int y = std::max(window.y_lo, first_row); y < std::min(window.y_hi, last_row); ++y)
                 for (int x = std::max(window.x_lo, part.x);
                      x < std::min(window.x_hi, part.x + part.width); ++x) {
                     const Ray ray = camera_ray(camera, width, height, x + 0.5 + part.shift.x(),
                                                y + 0.5 + part.shift.y());
-                    const OrderedHit hit = cut_hit_of(one, ray, kept_by(planes, ray), cut.look);
-                    const std::size_t pixel = static_cast<std::size_t>(y - part.y) *
-                                                  static_cast<std::size_t>(part.width) +
-                                              static_cast<std::size_t>(x - part.x);
-                    if (!(hit.order < orders[pixel])) continue;
-                    orders[pixel] = hit.order;
-                    seen[pixel] = {number, hit.t, hit.normal, hit.normal, Vec3d::Zero()};
-                    shade(hit, ray, seen[pixel]);
+                    visit(ray, kept_by(planes, ray),
+                          static_cast<std::size_t>(y - part.y) *
+                                  static_cast<std::size_t>(part.width) +
+                              static_cast<std::size_t>(x - part.x));
                 }
+        };
+        const auto offer = [&](const OrderedHit& hit, const Ray& ray, std::size_t pixel,
+                               auto shade) {
+            if (!(hit.order < orders[pixel])) return;
+            orders[pixel] = hit.order;
+            seen[pixel] = {number, hit.t, hit.normal, hit.normal, Vec3d::Zero()};
+            shade(hit, ray, seen[pixel]);
+        };
+        const auto cast_one = [&](const auto& one, auto shade) {
+            look_at(window_of(one, picture),
+                    [&](const Ray& ray, const Kept& kept, std::size_t pixel) {
+                        offer(cut_hit_of(one, ray, kept, cut.look), ray, pixel, shade);
+                    });
         };
         for_each_kind(primitives, [&](const auto& some) {
             for (const auto& one : some) {
@@ -291,6 +364,25 @@ std::vector<SeenPrimitive> cast_primitives(const Primitives& with_dots, const Ca
             cast_mesh(mesh, mesh.quads.size(), patch_of);
         for (const TetrahedralMesh& mesh : primitives.tetrahedra)
             cast_mesh(mesh, mesh.tetrahedra.size(), tetrahedron_of);
+        if (primitives.slims.empty()) return;
+        const auto width_of_part = static_cast<std::size_t>(part.width);
+        SlimPixels slims(primitives.slims, view,
+                         static_cast<std::size_t>(first_row - part.y) * width_of_part,
+                         static_cast<std::size_t>(last_row - first_row) * width_of_part);
+        slims.cast(picture, look_at);
+        const int first_slim = number;
+        look_at(picture.all(), [&](const Ray& ray, const Kept& kept, std::size_t pixel) {
+            const auto shown = slims.shown(pixel);
+            if (!shown) return;
+            const SlimHit& met = shown->hit;
+            OrderedHit hit{{met.t, met.normal, Vec3d::Zero()}, met.t};
+            if (kept.plane && cut.look == CutLook::Flat && met.normal.dot(ray.direction_world) > 0)
+                hit.normal = kept.plane->normal;
+            number = first_slim + static_cast<int>(shown->surface);
+            offer(hit, ray, pixel, [&](const RayHit&, const Ray&, SeenPrimitive& one) {
+                one.colour = primitives.slims[shown->surface].colour;
+            });
+        });
     });
     return seen;
 }

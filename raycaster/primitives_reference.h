@@ -31,7 +31,7 @@ struct SeenPrimitive {
 /// cut         checked; of caps where a ray is in several solids, that of depth_inside()'s least
 /// source      spheres by their closest approach to the ray, triangles by the volumes that it spans
 ///             with their edges, others by intersect(), in double: of patches and tetrahedra by
-///             other equations than the shaders'
+///             other equations than the shaders', of SLIM surfaces blended()
 std::vector<SeenPrimitive> cast_primitives(const Primitives& with_dots, const Camera& camera,
                                            int width, int height, const Cut& cut = {},
                                            const std::optional<PicturePart>& part = {});

@@ -124,7 +124,9 @@ void Renderer::load(Scene scene, const Progress& progress) {
         throw InputError("coarse bricks cannot have curvatures at a scale");
     check_look(scene.look);
     check_slice(scene.look.effects.slice, objects);
-    if (scene.quality.splats == SplatShading::Direct) check_direct(scene.look, !objects.empty());
+    if (scene.quality.splats == SplatShading::Direct)
+        check_direct(scene.look, !objects.empty(),
+                     scene.primitives && !scene.primitives->slims.empty());
     if (scene.primitives) check(*scene.primitives);
     check(scene.cut);
     StorageOptions storage = scene.storage;
@@ -166,7 +168,8 @@ void Renderer::load(Scene scene, const Progress& progress) {
 void Renderer::set_look(Look look) {
     check_look(look);
     if (look.effects.slice.strength > 0) check_slice(look.effects.slice, objects_of(scene_));
-    if (scene_.quality.splats == SplatShading::Direct) check_direct(look, !objects_.empty());
+    if (scene_.quality.splats == SplatShading::Direct)
+        check_direct(look, !objects_.empty(), !scene_.primitives->slims.empty());
     const ImageSet changed = images_changed(scene_.look, look);
     for (DrawnPart& part : parts_) part.drawn.erase(changed);
     const Effects& old = scene_.look.effects;

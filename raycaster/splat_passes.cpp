@@ -2,6 +2,7 @@
 #include "raycaster/splat_passes.h"
 
 #include "raycaster/field_passes.h"
+#include "raycaster/slim_passes.h"
 #include "raycaster/splat_study.h"
 
 #include <fmt/format.h>
@@ -73,6 +74,7 @@ void set_scene_uniforms(const gl::Program& program, const FrameContext& frame) {
         of_scene.triangle_normals.texture.bind_to_unit(normals_unit);
     if (program.has("u_to_half_colours"))
         program.set("u_to_half_colours", of_scene.to_half_colours);
+    if (program.has("u_first_slim")) program.set("u_first_slim", of_scene.first_slim);
     if (program.has("u_world_from_view")) program.set("u_world_from_view", world_from_view(frame));
 }
 
@@ -83,9 +85,12 @@ void set_splat_uniforms(const gl::Program& program, const FrameContext& frame) {
     constexpr unsigned first_unit = 6;
     for (const SplatsOnGpu::OfKind& of_kind : frame.seen.splats->kinds) {
         const auto k = static_cast<unsigned>(of_kind.kind);
-        of_kind.records.texture.bind_to_unit(first_unit + k);
+        if (of_kind.kind == SplatKind::Slim)
+            frame.targets.texture(FrameImage::SlimHit).bind_to_unit(1);
+        else
+            of_kind.records.texture.bind_to_unit(first_unit + k);
         program.set(fmt::format("u_slots[{}]", k).c_str(),
-                    Eigen::Vector2i(of_kind.first_slot, of_kind.count));
+                    Eigen::Vector2i(of_kind.first_slot, of_kind.slot_count));
     }
     set_scene_uniforms(program, frame);
 }
@@ -136,26 +141,32 @@ bool has_normals(const SplatsOnGpu& splats) {
 void draw_splats(
     const FrameContext& frame, const std::function<gl::ProgramKey(SplatKind)>& program_of,
     const std::function<void(const gl::Program&, const SplatsOnGpu::OfKind&)>& prepare) {
-    for (const SplatsOnGpu::OfKind& of_kind : frame.seen.splats->kinds) {
-        gl::ProgramKey key = program_of(of_kind.kind);
-        if (frame.seen.splats->study.meets_spheres_by_equation_7 &&
-            of_kind.kind == SplatKind::Sphere)
-            key.defines["BY_EQUATION_7"] = std::to_string(1);
-        if (frame.seen.splats->of_scene->are_sticks && of_kind.kind == SplatKind::Cone)
-            key.defines["ARE_STICKS"] = std::to_string(1);
-        const gl::Program& program = frame.shaders.program(key);
-        set_ray_uniforms(program, frame);
-        if (program.has("u_view_from_window")) set_equation_7(program, frame);
-        set_scene_uniforms(program, frame);
-        program.set("u_clip_from_pixel",
-                    Eigen::Vector2f(2 / static_cast<float>(frame.part.width),
-                                    2 / static_cast<float>(frame.part.height)));
-        prepare(program, of_kind);
-        of_kind.records.texture.bind_to_unit(0);
-        frame.no_vertices.bind();
-        program.use();
-        glDrawArrays(GL_TRIANGLES, 0, vertex_count(of_kind.kind) * of_kind.count);
-    }
+    for (const SplatsOnGpu::OfKind& of_kind : frame.seen.splats->kinds)
+        draw_splats_of_kind(frame, of_kind, program_of(of_kind.kind), prepare);
+}
+
+void draw_splats_of_kind(
+    const FrameContext& frame, const SplatsOnGpu::OfKind& of_kind, gl::ProgramKey key,
+    const std::function<void(const gl::Program&, const SplatsOnGpu::OfKind&)>& prepare) {
+    if (frame.seen.splats->study.meets_spheres_by_equation_7 && of_kind.kind == SplatKind::Sphere)
+        key.defines["BY_EQUATION_7"] = std::to_string(1);
+    if (frame.seen.splats->of_scene->are_sticks && of_kind.kind == SplatKind::Cone)
+        key.defines["ARE_STICKS"] = std::to_string(1);
+    const gl::Program& program = frame.shaders.program(key);
+    set_ray_uniforms(program, frame);
+    if (program.has("u_view_from_window")) set_equation_7(program, frame);
+    set_scene_uniforms(program, frame);
+    program.set("u_clip_from_pixel", Eigen::Vector2f(2 / static_cast<float>(frame.part.width),
+                                                     2 / static_cast<float>(frame.part.height)));
+    prepare(program, of_kind);
+    of_kind.records.texture.bind_to_unit(0);
+    frame.no_vertices.bind();
+    program.use();
+    glDrawArrays(GL_TRIANGLES, 0, vertex_count(of_kind.kind) * of_kind.count);
+}
+
+float depth_unit_of(const FrameContext& frame) {
+    return static_cast<float>(1e-20 * extent_diagonal_world(frame));
 }
 
 CutKind cut_kind_of(const FrameContext& frame) {
@@ -189,7 +200,8 @@ void set_cut_planes(const gl::Program& program, const FrameContext& frame,
 void draw_nearest_splats(
     FrameContext& frame, FrameImage image, const Eigen::Vector4f& none,
     const std::function<gl::ProgramKey(SplatKind)>& program_of,
-    const std::function<void(const gl::Program&, const SplatsOnGpu::OfKind&)>& prepare) {
+    const std::function<void(const gl::Program&, const SplatsOnGpu::OfKind&)>& prepare,
+    const std::function<void(double depth_unit)>& draw_more) {
     const gl::Texture depth = gl::Texture::image(gl::Format::Depth32f, frame.part.width,
                                                  frame.part.height, "depth of splats");
     frame.scratch_bytes += depth.byte_count();
@@ -204,27 +216,34 @@ void draw_nearest_splats(
     set_fixed_state();
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
-    draw_splats(
-        frame, program_of, [&](const gl::Program& program, const SplatsOnGpu::OfKind& of_kind) {
-            // Only what is nearer than 1e-20 of the scene's size is clamped.
-            program.set("u_depth_unit", static_cast<float>(1e-20 * extent_diagonal_world(frame)));
-            prepare(program, of_kind);
-        });
+    const float depth_unit = depth_unit_of(frame);
+    for (const SplatsOnGpu::OfKind& of_kind : frame.seen.splats->kinds)
+        if (of_kind.kind != SplatKind::Slim)
+            draw_splats_of_kind(frame, of_kind, program_of(of_kind.kind),
+                                [&](const gl::Program& program, const SplatsOnGpu::OfKind& some) {
+                                    program.set("u_depth_unit", depth_unit);
+                                    prepare(program, some);
+                                });
+    if (draw_more) draw_more(depth_unit);
     glDisable(GL_DEPTH_TEST);
 }
 
 void run_splats(FrameContext& frame) {
-    draw_nearest_splats(frame, FrameImage::Splat, Eigen::Vector4f::Zero(),
-                        splat_programs_of(frame, SplatOutput::Number),
-                        [&](const gl::Program& program, const SplatsOnGpu::OfKind& of_kind) {
-                            program.set("u_first_slot", of_kind.first_slot);
-                        });
+    draw_nearest_splats(
+        frame, FrameImage::Splat, Eigen::Vector4f::Zero(),
+        splat_programs_of(frame, SplatOutput::Number),
+        [&](const gl::Program& program, const SplatsOnGpu::OfKind& of_kind) {
+            program.set("u_first_slot", of_kind.first_slot);
+        },
+        [&](double unit) { draw_slim_hits(frame, SplatOutput::Number, unit); });
 }
 
 void run_splat_surfaces(FrameContext& frame) {
-    draw_nearest_splats(frame, FrameImage::SplatSurface, Eigen::Vector4f::Zero(),
-                        splat_programs_of(frame, SplatOutput::Surface),
-                        [](const gl::Program&, const SplatsOnGpu::OfKind&) {});
+    draw_nearest_splats(
+        frame, FrameImage::SplatSurface, Eigen::Vector4f::Zero(),
+        splat_programs_of(frame, SplatOutput::Surface),
+        [](const gl::Program&, const SplatsOnGpu::OfKind&) {},
+        [&](double unit) { draw_slim_hits(frame, SplatOutput::Surface, unit); });
 }
 
 void draw_splat_distances(const FrameContext& frame, double unit_world) {
@@ -268,9 +287,15 @@ void resolve_splats(FrameContext& frame) {
     draw_on_tiles(frame, program);
 }
 
-void draw_splat_derivatives(const FrameContext& frame, int order) {
+void draw_splat_derivatives(FrameContext& frame, int order, const gl::Framebuffer& target) {
     const SplatsOnGpu& splats = *frame.seen.splats;
     if (splats.kinds.empty()) return;
+    std::optional<SlimBends> bends;
+    if (order == 2 && splats.slim() != nullptr) bends.emplace(frame);
+    target.bind();
+    set_fixed_state();
+    if (bends)
+        for (unsigned i = 0; i < 2; ++i) bends->textures[i].bind_to_unit(2 + i);
     const gl::Program& program = frame.shaders.program(
         derivatives_program(defines_of(frame, order == 2), order, frame.live));
     set_splat_uniforms(program, frame);
@@ -286,11 +311,13 @@ void draw_splat_derivatives(const FrameContext& frame, int order) {
 
 std::vector<gl::ProgramKey> splat_programs() {
     std::vector<gl::ProgramKey> keys = splat_study_programs();
+    for (const gl::ProgramKey& key : slim_programs()) keys.push_back(key);
     for (const bool is_perspective : {false, true}) {
         for (int k = 0; k < splat_kind_count; ++k) {
             const auto kind = static_cast<SplatKind>(k);
             for (const SplatOutput output :
                  {SplatOutput::Number, SplatOutput::Distance, SplatOutput::Surface}) {
+                if (kind == SplatKind::Slim && output != SplatOutput::Distance) continue;
                 keys.push_back(splat_program(kind, is_perspective, {}, output));
                 for (const CutLook look : {CutLook::Inside, CutLook::Flat, CutLook::Capped})
                     keys.push_back(splat_program(kind, is_perspective, {2, look}, output, true));
@@ -313,6 +340,7 @@ std::vector<gl::ProgramKey> splat_programs() {
                                                  {32U, true},
                                                  {64U, false},
                                                  {128U, false},
+                                                 {256U, false},
                                                  {all_splat_kinds, true}}) {
             const auto defines = [&, kinds = kinds, has_normals = has_normals](bool has_hessian) {
                 return defines_of(kinds, is_perspective, {}, has_normals, has_hessian);

@@ -17,9 +17,9 @@ void draw_splat_distances(const FrameContext& frame, double unit_world);
 /// Puts the splats' hits among those of the fields; the nearer wins. Colours with them where they
 /// are asked for, and normals where the frame's gradients are drawn with hits.
 void resolve_splats(FrameContext& frame);
-/// Into the bound framebuffer, where splats are hit: normals (order 1), or what the live passes of
-/// second order ask for (order 2).
-void draw_splat_derivatives(const FrameContext& frame, int order);
+/// Where splats are hit: normals (order 1), or what the live passes of second order ask for (order
+/// 2).
+void draw_splat_derivatives(FrameContext& frame, int order, const gl::Framebuffer& target);
 
 /// Of shaders/quadrics/cut.glsl.
 struct CutKind {
@@ -54,13 +54,20 @@ bool has_normals(const SplatsOnGpu& splats);
 void draw_splats(
     const FrameContext& frame, const std::function<gl::ProgramKey(SplatKind)>& program_of,
     const std::function<void(const gl::Program&, const SplatsOnGpu::OfKind&)>& prepare);
-/// The same into an image of the frame, the nearest of all.
+/// Those of one kind.
+void draw_splats_of_kind(
+    const FrameContext& frame, const SplatsOnGpu::OfKind& of_kind, gl::ProgramKey key,
+    const std::function<void(const gl::Program&, const SplatsOnGpu::OfKind&)>& prepare);
+/// Only what is nearer than 1e-20 of the scene's size is clamped.
+float depth_unit_of(const FrameContext& frame);
+/// Draws splats into an image of the frame, the nearest of all, but for SLIM surfaces.
 ///
 /// none  where there are no splats; integers are 0 there
 void draw_nearest_splats(
     FrameContext& frame, FrameImage image, const Eigen::Vector4f& none,
     const std::function<gl::ProgramKey(SplatKind)>& program_of,
-    const std::function<void(const gl::Program&, const SplatsOnGpu::OfKind&)>& prepare);
+    const std::function<void(const gl::Program&, const SplatsOnGpu::OfKind&)>& prepare,
+    const std::function<void(double depth_unit)>& draw_more = {}); // by the same depths
 
 /// Every program that these can ask for.
 std::vector<gl::ProgramKey> splat_programs();

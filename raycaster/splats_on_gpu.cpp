@@ -94,7 +94,9 @@ std::vector<Eigen::Vector4f> normals_of(const Primitives& primitives) {
 } // namespace
 
 PrimitivesOnGpu::PrimitivesOnGpu(const Primitives& primitives)
-    : are_sticks(primitives.cones.empty() &&
+    : first_slim(static_cast<int>(primitives.solid_count() + primitives.mesh_count() -
+                                  primitives.slims.size())),
+      are_sticks(primitives.cones.empty() &&
                  std::ranges::none_of(primitives.cylinders, &Cylinder::is_capped)) {
     const std::vector<Eigen::Vector4f> all_colours = colours_of(primitives);
     colours = {std::as_bytes(std::span(all_colours)), gl::Format::Rgba32f, "colours of primitives"};
@@ -142,10 +144,18 @@ SplatsOnGpu::SplatsOnGpu(const Primitives& primitives, std::vector<CutPlane> cut
         of_kind.count = splats.count(of_kind.kind);
         of_kind.first_slot = slot;
         of_kind.records = {std::as_bytes(std::span(records)), gl::Format::Rgba32f, "splats"};
-        slot += of_kind.count;
+        of_kind.slot_count = of_kind.kind == SplatKind::Slim
+                                 ? static_cast<int>(primitives.slims.size())
+                                 : of_kind.count;
+        slot += of_kind.slot_count;
         byte_count += of_kind.records.buffer.byte_count();
     }
     tile_runs = runs_of(splats.boxes, part);
+}
+
+const SplatsOnGpu::OfKind* SplatsOnGpu::slim() const {
+    const auto found = std::ranges::find(kinds, SplatKind::Slim, &OfKind::kind);
+    return found == kinds.end() ? nullptr : &*found;
 }
 
 } // namespace isocast

@@ -24,6 +24,7 @@ struct PrimitivesOnGpu {
 
     NumbersOnGpu colours;          // by the numbers of splats_of(); then of the halves at b
     NumbersOnGpu triangle_normals; // of all corners, if any mesh has normals
+    int first_slim = 0;            // colour of the first SLIM surface
     int to_half_colours = 0;       // from a stick's colour to that of its half at b, if any has two
     bool are_sticks = false;       // of SplatKind::Cone all are open cylinders
 
@@ -47,6 +48,7 @@ struct SplatsOnGpu {
         SplatKind kind = SplatKind::Sphere;
         int count = 0;
         int first_slot = 0; // splats are numbered through all kinds, from 0
+        int slot_count = 0; // of SLIM surfaces one each, of others one a splat
         NumbersOnGpu records;
     };
     std::vector<OfKind> kinds;              // that are there
@@ -55,6 +57,9 @@ struct SplatsOnGpu {
     SplatStudy study;
     std::int64_t byte_count = 0;
     const PrimitivesOnGpu* of_scene = nullptr;
+
+    /// Those of SLIM surfaces; null if there are none to be seen.
+    const OfKind* slim() const;
 };
 
 } // namespace isocast

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "apps/accuracy/settings.h"
 
+#include "volume/errors.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -77,6 +79,9 @@ std::string text_of(const Setting& setting) {
 }
 
 Subject subject_of(const Input& input) {
+    if (input.is_slim())
+        throw InputError(
+            fmt::format("{}: a SLIM surface, whose error is that of its file", input.text));
     return input.is_mesh()                           ? Subject::Mesh
            : input.kind == Input::Kind::BuiltinField ? Subject::BuiltinField
            : input.kind == Input::Kind::FieldFile    ? Subject::FieldFile

@@ -35,6 +35,7 @@ std::string role_of(const SceneFile& scene, std::size_t i) {
                        : !object.molecule.empty()   ? "molecule"
                        : !object.points.empty()     ? "points"
                        : !object.tetrahedra.empty() ? "tetrahedra"
+                       : !object.slim.empty()       ? "SLIM surface"
                        : !object.series.empty()     ? "series"
                                                     : "field";
     std::vector<std::string> users;

@@ -120,9 +120,7 @@ void Viewer::add_file(const std::filesystem::path& path) {
         SceneFile scene = next_ ? *next_ : loading_ ? asked_ : scene_;
         const Input input = input_from(path.string());
         SceneObject& object = scene.objects.emplace_back();
-        (input.is_mesh()    ? object.mesh
-         : input.is_field() ? object.field
-                            : object.molecule) = path.string();
+        source_of(object, input) = path.string();
         open(std::move(scene));
     } catch (const std::exception& error) {
         say(error.what());

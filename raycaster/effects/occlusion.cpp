@@ -89,6 +89,13 @@ void set_tree_uniforms(const gl::Program& program, const FrameContext& frame, co
     tree.bodies.texture.bind_to_unit(7);
     program.set("u_nodes", tree.node_count);
     set_cut_planes(program, frame, Mat3d::Identity());
+    if (!program.has("u_coarse")) return;
+    const bool has_levels = std::ranges::any_of(
+        frame.primitives->slims, [](const SlimSurface& s) { return s.levels.size() > 1; });
+    const auto half_pixel =
+        static_cast<float>(has_levels ? 0.5 / pixels_per_unit(frame.camera, frame.height) : 0.0);
+    program.set("u_coarse", is_perspective(frame) ? Eigen::Vector2f(half_pixel, 0)
+                                                  : Eigen::Vector2f(0, half_pixel));
 }
 
 /// Of rays' starts off the surface. 1/64 voxel: hits are known to 1e-5, and coordinates of a

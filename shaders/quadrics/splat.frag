@@ -8,6 +8,8 @@
 #include "quadrics/patch.glsl"
 #elif KIND == 7
 #include "quadrics/tetrahedron.glsl"
+#elif KIND == 8
+#include "quadrics/slim.glsl"
 #endif
 #if BY_EQUATION_7
 #include "quadrics/equation_7.glsl"
@@ -71,6 +73,12 @@ void main() {
     float number = v_splat[2].w;
 #elif KIND == 7
     QuadricHit hit = tetrahedron_hit(v_splat, ray_at(), kept.t_near);
+    const float depth_inside = 0.0;
+    float number = v_splat[2].w;
+#elif KIND == 8
+    SlimFragment piece = slim_fragment(v_splat, slope, start, kept.t_near);
+    // Behind all that the sheet's pieces may show, for shadows.
+    QuadricHit hit = QuadricHit(piece.t + 2.0 * piece.reach, piece.normal, vec3(0.0), false);
     const float depth_inside = 0.0;
     float number = v_splat[2].w;
 #else

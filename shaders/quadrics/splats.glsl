@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "quadrics/splat.glsl"
 //
-// HAS_0 ... HAS_7: whether there are splats of each kind (quadrics/splats.h: SplatKind).
+// HAS_0 ... HAS_8: whether there are splats of each kind (quadrics/splats.h: SplatKind).
 // HAS_NORMALS: whether triangles have normals at corners.
 #if HAS_4
 #include "quadrics/superquadric.glsl"
@@ -16,7 +16,14 @@
 
 layout(binding = 5) uniform sampler2D t_splat; // number + 1; 0: none
 layout(binding = 6) uniform samplerBuffer t_splats[8]; // by kind
-uniform ivec2 u_slots[8]; // by kind: the first, how many
+uniform ivec2 u_slots[9]; // by kind: the first, how many
+#if HAS_8
+uniform int u_first_slim; // the first SLIM surface's colour
+layout(binding = 1) uniform sampler2D t_slim; // their blended hit: unit normal, t
+#if HAS_HESSIAN
+layout(binding = 2) uniform sampler2D t_slim_bends[2]; // sums by weight: xx xy xz yy, yz zz - weight
+#endif
+#endif
 #if HAS_NORMALS
 #include "quadrics/triangle_normals.glsl"
 #endif
@@ -190,6 +197,22 @@ Seen seen_splat(int slot) {
         mat3 hessian = mat3(0.0);
 #endif
         seen = Seen(hit, int(texelFetch(t_splats[7], at + 1).z), nowhere, hessian);
+    }
+#endif
+#if HAS_8
+    for (bool is_here = is_of(slot, 8); is_here; is_here = seen.colour < -1) {
+        ivec2 pixel = ivec2(gl_FragCoord.xy);
+        vec4 nearest = texelFetch(t_slim, pixel, 0);
+        QuadricHit hit = cut_hit(QuadricHit(nearest.w, nearest.xyz, vec3(0.0), false), kept, slope, 0.0);
+#if HAS_HESSIAN
+        vec4 first = texelFetch(t_slim_bends[0], pixel, 0);
+        vec4 second = texelFetch(t_slim_bends[1], pixel, 0);
+        mat3 hessian = hit.is_cap ? mat3(0.0)
+                                  : mat3(first.xyz, first.yw, second.x, first.z, second.xy) / second.w;
+#else
+        mat3 hessian = mat3(0.0);
+#endif
+        seen = Seen(hit, u_first_slim + slot - u_slots[8].x, nowhere, hessian);
     }
 #endif
     return seen;

@@ -3,7 +3,7 @@
 // twin  quadrics/primitive_tree.h
 #include "quadrics/splat.glsl"
 //
-// HAS_0 ... HAS_7: whether there are primitives of each kind (quadrics/splats.h: SplatKind).
+// HAS_0 ... HAS_8: whether there are primitives of each kind (quadrics/splats.h: SplatKind).
 #if HAS_4
 #include "quadrics/superquadric.glsl"
 #endif
@@ -13,10 +13,16 @@
 #if HAS_7
 #include "quadrics/tetrahedron.glsl"
 #endif
+#if HAS_8
+#include "quadrics/slim.glsl"
+#endif
 
 layout(binding = 6) uniform isamplerBuffer t_tree;  // two for each node
 layout(binding = 7) uniform samplerBuffer t_bodies; // of leaves
 uniform int u_nodes;
+#if HAS_8
+uniform vec2 u_coarse; // how far SLIM surfaces may be off where they are drawn: by the distance, and at any
+#endif
 
 // Of starts off the surface, by their distance from the eye. 2^-18: hits lie on surfaces to 1e-6 of it
 // (docs/molecules.md), and eight roundings of what follows are half as much.
@@ -95,8 +101,8 @@ bool meets_any(vec3 start, vec3 v, float t_end) {
             is_seeking = leaf < 0 && node < u_nodes;
         }
         int code = -1 - look;
-        int count = leaf < 0 ? 0 : (code >> 3) + 1;
-        int kind = code & 7;
+        int count = leaf < 0 ? 0 : (code >> 4) + 1;
+        int kind = code & 15;
 #if HAS_0
         for (int left = kind == 0 ? count : 0; left > 0 && !is_met; --left, leaf += 2) {
             float at_eye = texelFetch(t_bodies, leaf).x;
@@ -167,6 +173,15 @@ bool meets_any(vec3 start, vec3 v, float t_end) {
             vec4 body[6];
             for (int i = 0; i < 6; ++i) body[i] = texelFetch(t_bodies, leaf + i);
             is_met = tetrahedron_distance(body, start, v, kept.t_near) <= range.y;
+        }
+#endif
+#if HAS_8
+        for (int left = kind == 8 ? count : 0; left > 0 && !is_met; --left, leaf += 7) {
+            vec4 body[7];
+            for (int i = 0; i < 7; ++i) body[i] = texelFetch(t_bodies, leaf + i);
+            float t = slim_distance(body, start, v, kept.t_near,
+                                    u_coarse.x * length(start) + u_coarse.y);
+            is_met = t <= range.y;
         }
 #endif
     }

@@ -14,12 +14,14 @@ TEST(Inputs, AreToldApartByNameAndExtension) {
     const TemporaryFolder folder;
     write_text(folder / "a.obj", "");
     write_text(folder / "a.vdb", "");
+    write_text(folder / "a.slim", "");
     EXPECT_EQ(input_from(folder / "a.obj").kind, Input::Kind::MeshFile);
     EXPECT_EQ(input_from(folder / "a.vdb").kind, Input::Kind::FieldFile);
     for (const char* name : {"a.nrrd", "a.nhdr", "a.mhd", "a.mha", "a.nii", "a.nii.gz"}) {
         write_text(folder / name, "");
         EXPECT_EQ(input_from(folder / name).kind, Input::Kind::FieldFile) << name;
     }
+    EXPECT_EQ(input_from(folder / "a.slim").kind, Input::Kind::SlimFile);
     EXPECT_EQ(input_from("mesh:knot").kind, Input::Kind::SampleMesh);
     EXPECT_EQ(input_from("mesh:knot").name, "knot");
     const Input field = input_from("field:marschner-lobb@41");

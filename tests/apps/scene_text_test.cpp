@@ -82,6 +82,7 @@ struct SceneText : testing::Test {
             {"object.molecule", "a.xyz"},
             {"object.points", "a.csv"},
             {"object.tetrahedra", "a.vtk"},
+            {"object.slim", "a.slim"},
             {"object.series", "field_##.vdb"},
             {"effects.solid_texture.volume", "field:torus@8"},
             {"effects.curvature_map.picture", "map.png"},

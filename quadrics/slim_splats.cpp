@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MPL-2.0
+#include "quadrics/slim_splats.h"
+
+#include "quadrics/hull_cover.h"
+
+namespace isocast {
+
+namespace {
+
+/// The pixels of the bounding sphere's picture.
+std::optional<PixelBox> cover_of(const SlimPatch& patch, const SplatView& view) {
+    const ScreenBounds bounds =
+        screen_bounds(Sphere{patch.centre_world, patch.radius_world}, view.space);
+    if (bounds.extent == ScreenExtent::Nothing) return std::nullopt;
+    if (bounds.extent == ScreenExtent::Everything)
+        return PixelBox{-1, float(view.width) + 1, -1, float(view.height) + 1};
+    return cover_of(Eigen::AlignedBox2d(view.middle_pixels + view.pixels_per_unit * bounds.lo,
+                                        view.middle_pixels + view.pixels_per_unit * bounds.hi),
+                    view);
+}
+
+double depth_of(const Vec3d& p_world, const PictureSpace& space) {
+    return -space.view_from_world.row(2).dot(p_world - space.eye_world);
+}
+
+/// Behind its place: shaders/quadrics/slim.glsl.
+void put_piece(const SlimPatch& patch, double max_error_world, const SlimFade& fade,
+               bool faces_front, const PictureSpace& space, Record& record) {
+    const Mat3d& turn = space.view_from_world;
+    const SlimQuadric f = slim_quadric(patch);
+    const Mat3d a = turn * f.a * turn.transpose();
+    const Vec3d b = turn * f.b;
+    record.put(turn * (patch.centre_world - space.eye_world), patch.radius_world);
+    record.put({a(0, 0), a(0, 1), a(0, 2), b.x()});
+    record.put({a(1, 1), a(1, 2), a(2, 2), 0});
+    record.put({b.y(), b.z(), f.c, max_error_world});
+    record.put({fade.rise, fade.fall, faces_front ? 1.0 : 0.0,
+                patch.is_any ? 3.0 : double(patch.plane_count)});
+    for (std::size_t k = 0; k < 2; ++k) {
+        const bool is_there = k < static_cast<std::size_t>(patch.plane_count);
+        record.put(is_there ? Vec3d(turn * patch.planes[k].normal) : Vec3d(Vec3d::Zero()),
+                   is_there ? patch.planes[k].offset_world : 1); // which keeps all
+    }
+}
+
+} // namespace
+
+bool shows_outside_only(const SlimSurface& surface, const SplatView& view) {
+    return surface.is_closed && view.planes.empty() &&
+           std::ranges::all_of(surface.levels, [&](const SlimLevel& level) {
+               return std::ranges::all_of(level.patches, [&](const SlimPatch& patch) {
+                   return depth_of(patch.centre_world, view.space) > patch.radius_world;
+               });
+           });
+}
+
+void append_splats(const SlimSurface& surface, std::size_t number, const SplatView& view,
+                   Splats& splats) {
+    const bool faces_front = shows_outside_only(surface, view);
+    const PictureSpace& space = view.space;
+    const Vec3d forward = -space.view_from_world.row(2).transpose();
+    for (std::size_t l = 0; l < surface.levels.size(); ++l) {
+        const SlimLevel& level = surface.levels[l];
+        const SlimFade fade = slim_fade(surface, l, view.pixels_per_unit);
+        if (!space.is_perspective && !fade.is_seen(1, 1)) continue;
+        append_in_order(
+            SplatKind::Slim, level.patches.size(), splats,
+            [&](std::size_t i, float* to) -> std::optional<PixelBox> {
+                const SlimPatch& patch = level.patches[i];
+                const double depth = depth_of(patch.centre_world, space);
+                const double r = patch.radius_world;
+                if (!(depth + r > 0)) return std::nullopt;
+                if (space.is_perspective && !fade.is_seen(std::max(0.0, depth - r), depth + r))
+                    return std::nullopt;
+                if (faces_front &&
+                    is_turned_away(patch, space.eye_world, space.is_perspective, forward))
+                    return std::nullopt;
+                if (is_cut_away(patch, view.planes)) return std::nullopt;
+                const auto box = cover_of(patch, view);
+                if (!box) return std::nullopt;
+                Record record(to);
+                record.put(*box, static_cast<double>(number));
+                put_piece(patch, level.max_error_world, fade, faces_front, space, record);
+                return box;
+            });
+    }
+}
+
+void put_body(const SlimPiece& piece, const PictureSpace& space, float* to) {
+    Record record(to);
+    put_piece(piece.patch, piece.max_error_world, {}, false, space, record);
+}
+
+} // namespace isocast

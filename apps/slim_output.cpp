@@ -11,8 +11,26 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <ranges>
 
 namespace isocast {
+
+namespace {
+
+nlohmann::ordered_json levels_of(const SlimSurface& surface) {
+    auto levels = nlohmann::ordered_json::array();
+    for (const SlimLevel& level : surface.levels)
+        levels.push_back({{"patches", level.patches.size()}, {"max_error", level.max_error_world}});
+    return levels;
+}
+
+void print_coarser_levels(const SlimSurface& surface) {
+    for (const SlimLevel& level : surface.levels | std::views::drop(1))
+        fmt::print("  coarser: {} patches for an error of {:.4g}\n", level.patches.size(),
+                   level.max_error_world);
+}
+
+} // namespace
 
 void convert_to_slim(const std::string& input, const CheckedMesh& mesh,
                      const std::optional<double>& max_error, const std::filesystem::path& output,
@@ -33,31 +51,35 @@ void convert_to_slim(const std::string& input, const CheckedMesh& mesh,
         print_json({{"input", input},
                     {"output", output.string()},
                     {"triangles", mesh.mesh.triangles.size()},
-                    {"patches", surface.patches.size()},
+                    {"patches", surface.patch_count()},
                     {"with_planes", report.with_planes},
                     {"over_bound", report.over_bound},
-                    {"max_error", surface.max_error_world},
+                    {"max_error", surface.levels.front().max_error_world},
                     {"greatest_error", report.greatest_error_world},
+                    {"levels", levels_of(surface)},
                     {"closed", surface.is_closed},
                     {"seconds", seconds}});
         return;
     }
     fmt::print("{}: {} patches of {} triangles, {} cut by planes; off by {:.4g} at most, asked "
                "{:.4g}\n",
-               output.string(), surface.patches.size(), mesh.mesh.triangles.size(),
-               report.with_planes, report.greatest_error_world, surface.max_error_world);
+               output.string(), surface.levels.front().patches.size(), mesh.mesh.triangles.size(),
+               report.with_planes, report.greatest_error_world,
+               surface.levels.front().max_error_world);
     if (report.over_bound > 0)
         fmt::print("{} patches of the least size are planes that are off by more\n",
                    report.over_bound);
+    print_coarser_levels(surface);
     fmt::print("{:.2f} s\n", seconds);
 }
 
 void describe_slim(const std::string& path, bool is_json) {
     const SlimSurface surface = read_slim(path);
+    const SlimLevel& finest = surface.levels.front();
     const auto cut = std::ranges::count_if(
-        surface.patches, [](const SlimPatch& patch) { return patch.plane_count > 0; });
+        finest.patches, [](const SlimPatch& patch) { return patch.plane_count > 0; });
     std::vector<double> radii;
-    for (const SlimPatch& patch : surface.patches) radii.push_back(patch.radius_world);
+    for (const SlimPatch& patch : finest.patches) radii.push_back(patch.radius_world);
     std::ranges::sort(radii);
     const auto radius = [&](double share) {
         return radii.empty()
@@ -68,18 +90,20 @@ void describe_slim(const std::string& path, bool is_json) {
         print_json(
             {{"input", path},
              {"kind", "SLIM surface"},
-             {"patches", surface.patches.size()},
+             {"patches", surface.patch_count()},
              {"with_planes", cut},
-             {"max_error", surface.max_error_world},
+             {"max_error", finest.max_error_world},
+             {"levels", levels_of(surface)},
              {"closed", surface.is_closed},
              {"radius", {{"least", radius(0)}, {"median", radius(0.5)}, {"greatest", radius(1)}}}});
         return;
     }
     fmt::print("{}: a {} SLIM surface of {} patches, {} of them cut by planes\n", path,
-               surface.is_closed ? "closed" : "open", surface.patches.size(), cut);
+               surface.is_closed ? "closed" : "open", finest.patches.size(), cut);
     fmt::print(
         "  radii {:.4g} ... {:.4g}, half of them up to {:.4g}; made for an error of {:.4g}\n",
-        radius(0), radius(1), radius(0.5), surface.max_error_world);
+        radius(0), radius(1), radius(0.5), finest.max_error_world);
+    print_coarser_levels(surface);
 }
 
 } // namespace isocast

@@ -45,14 +45,33 @@ double slim_weight(double share) {
                        : 4 / std::numbers::e * (1 - share) * (1 - share);
 }
 
-void check(const SlimSurface& surface) {
-    if (!(surface.max_error_world > 0) || !std::isfinite(surface.max_error_world))
-        throw InputError(
-            fmt::format("SLIM: its error {} is not positive", surface.max_error_world));
-    for (std::size_t i = 0; i < surface.patches.size(); ++i) {
-        const SlimPatch& patch = surface.patches[i];
+std::size_t SlimSurface::patch_count() const {
+    std::size_t count = 0;
+    for (const SlimLevel& level : levels) count += level.patches.size();
+    return count;
+}
+
+Eigen::AlignedBox3d box_of(const SlimSurface& surface) {
+    Eigen::AlignedBox3d box;
+    if (surface.levels.empty()) return box;
+    for (const SlimPatch& patch : surface.levels.front().patches) {
+        const Vec3d reach = Vec3d::Constant(patch.radius_world);
+        box.extend(patch.centre_world - reach);
+        box.extend(patch.centre_world + reach);
+    }
+    return box;
+}
+
+namespace {
+
+void check(const SlimLevel& level, std::size_t number) {
+    if (!(level.max_error_world > 0) || !std::isfinite(level.max_error_world))
+        throw InputError(fmt::format("SLIM level {}: its error {} is not positive", number,
+                                     level.max_error_world));
+    for (std::size_t i = 0; i < level.patches.size(); ++i) {
+        const SlimPatch& patch = level.patches[i];
         const auto fail = [&](const char* what) {
-            throw InputError(fmt::format("SLIM patch {}: {}", i, what));
+            throw InputError(fmt::format("SLIM level {}, patch {}: {}", number, i, what));
         };
         // 1e-9: of the roundings of a normal that was written and read.
         const auto is_unit = [](const Vec3d& n) { return std::abs(n.squaredNorm() - 1) < 1e-9; };
@@ -68,6 +87,18 @@ void check(const SlimSurface& surface) {
             if (!is_unit(plane.normal) || !std::isfinite(plane.offset_world))
                 fail("a plane of it is none");
         }
+    }
+}
+
+} // namespace
+
+void check(const SlimSurface& surface) {
+    if (surface.levels.empty()) throw InputError("SLIM: it has no level");
+    for (std::size_t i = 0; i < surface.levels.size(); ++i) {
+        check(surface.levels[i], i);
+        if (i > 0 && !(surface.levels[i].max_error_world > surface.levels[i - 1].max_error_world))
+            throw InputError(
+                fmt::format("SLIM level {}: its error is not above that of the finer level", i));
     }
 }
 

@@ -5,6 +5,8 @@
 
 #include "volume/grid_space.h"
 
+#include <Eigen/Geometry>
+
 #include <array>
 #include <optional>
 #include <vector>
@@ -61,14 +63,26 @@ bool is_kept(const SlimPatch& patch, const Vec3d& from_centre_world, double spar
 ///         -4 e^-1, which 4 e^-1 (1 - s)^2 continues
 double slim_weight(double share);
 
-struct SlimSurface {
+/// A cover of the whole surface by patches.
+struct SlimLevel {
     std::vector<SlimPatch> patches;
     double max_error_world = 0; // that they were fitted with: they differ by twice as much at most
-    bool is_closed = false;     // then what faces away is never seen
+};
+struct SlimSurface {
+    std::vector<SlimLevel>
+        levels;             // the finest first, each with a greater error than the one before
+    bool is_closed = false; // then what faces away is never seen
+    Vec3d colour = Vec3d(0.72, 0.6, 0.42); // linear; of the scene, not of the file
+
+    std::size_t patch_count() const; // of all levels
 };
 
-/// throws  InputError that names the patch and what is wrong: a number that is not finite, a radius
-///         or an error that is not positive, a normal that is not of unit length, too many planes
+/// Around all spheres of the finest level; empty if there is none.
+Eigen::AlignedBox3d box_of(const SlimSurface& surface);
+
+/// throws  InputError that names the level, the patch and what is wrong: no level, errors that do
+///         not grow, a number that is not finite, a radius or an error that is not positive, a
+///         normal that is not of unit length, too many planes
 void check(const SlimSurface& surface);
 
 /// Where a ray meets a patch.

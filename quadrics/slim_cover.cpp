@@ -69,7 +69,7 @@ public:
           least_radius_(least_radius_errors * options.max_error_world) {}
 
     void run(const Progress& progress);
-    SlimSurface surface(SlimReport& report);
+    SlimLevel level(SlimReport& report);
 
 private:
     bool is_covered(const Part& part) const {
@@ -169,7 +169,7 @@ void Cover::run(const Progress& progress) {
     }
 }
 
-SlimSurface Cover::surface(SlimReport& report) {
+SlimLevel Cover::level(SlimReport& report) {
     // Which patches each part has, and how many parts each patch holds alone.
     std::vector<std::vector<int>> of_part(done_.size());
     tbb::parallel_for(std::size_t{0}, done_.size(), [&](std::size_t i) {
@@ -192,8 +192,7 @@ SlimSurface Cover::surface(SlimReport& report) {
         stays[p] = false;
         for (const std::size_t i : parts_of[p]) --left[i];
     }
-    SlimSurface out{
-        .patches = {}, .max_error_world = options_.max_error_world, .is_closed = mesh_.is_closed()};
+    SlimLevel out{.patches = {}, .max_error_world = options_.max_error_world};
     for (std::size_t p = 0; p < pieces_.size(); ++p) {
         if (!stays[p]) continue;
         out.patches.push_back(pieces_[p].patch);
@@ -213,7 +212,7 @@ SlimSurface slim_of(const TriangleMesh& mesh, const SlimOptions& options, SlimRe
     Cover cover(with_sides, options);
     cover.run(progress);
     report = {};
-    return cover.surface(report);
+    return {.levels = {cover.level(report)}, .is_closed = with_sides.is_closed()};
 }
 
 } // namespace isocast

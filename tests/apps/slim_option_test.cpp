@@ -24,13 +24,15 @@ struct ConvertToSlim : testing::Test {
 TEST_F(ConvertToSlim, ReportsWhatTheFileHolds) {
     const Json made = Json::parse(checked_output(convert({"-o", folder / "a.slim", "--json"})));
     const SlimSurface surface = read_slim(folder / "a.slim");
-    EXPECT_EQ(made["patches"], surface.patches.size());
+    EXPECT_EQ(made["patches"], surface.patch_count());
+    EXPECT_EQ(made["levels"].size(), surface.levels.size());
     EXPECT_EQ(made["over_bound"], 0);
     EXPECT_LE(made["greatest_error"], made["max_error"]);
     EXPECT_GT(made["patches"], 10);
     EXPECT_LT(made["patches"], made["triangles"]);
     const Json info = Json::parse(checked_output(isocast({"info", folder / "a.slim", "--json"})));
     EXPECT_EQ(info["patches"], made["patches"]);
+    EXPECT_EQ(info["levels"], made["levels"]);
     EXPECT_EQ(info["closed"], true);
     EXPECT_EQ(info["max_error"], made["max_error"]);
 }
@@ -38,7 +40,7 @@ TEST_F(ConvertToSlim, ReportsWhatTheFileHolds) {
 TEST_F(ConvertToSlim, ErrorIsAPartOfTheDiagonal) {
     const auto max_error = [&](const char* share) {
         checked_output(convert({"-o", folder / "a.slim", "--max-error", share}));
-        return read_slim(folder / "a.slim").max_error_world;
+        return read_slim(folder / "a.slim").levels.front().max_error_world;
     };
     EXPECT_NEAR(max_error("1e-2") / max_error("2e-3"), 5, 1e-12); // roundings of two products
     EXPECT_EQ(convert({"-o", folder / "b.slim", "--max-error", "0"}).code, 2);

@@ -76,7 +76,7 @@ Met met_by_rays(const TriangleMesh& mesh, const SlimSurface& surface, double rea
         const Vec3d p = (1 - u) * a + u * ((1 - v) * b + v * c);
         const Vec3d n = area_normal(triangle).normalized();
         bool is_met = false;
-        for (const SlimPatch& patch : surface.patches)
+        for (const SlimPatch& patch : surface.levels.front().patches)
             for (const SlimHit& hit : intersect(patch, p + reach * n, -n, true)) {
                 if (hit.t > 2 * reach) continue;
                 is_met = true;
@@ -165,7 +165,7 @@ TEST(SlimCover, BallIsCoveredWithinTheError) {
     const SlimSurface surface = slim_of(mesh, {.max_error_world = error}, report);
     EXPECT_TRUE(surface.is_closed);
     EXPECT_EQ(report.over_bound, 0U);
-    EXPECT_LT(surface.patches.size(), mesh.triangles.size() / 20);
+    EXPECT_LT(surface.levels.front().patches.size(), mesh.triangles.size() / 20);
     const Met met = met_by_rays(mesh, surface, 0.1, 5000,
                                 [](const Vec3d& p) { return std::abs(p.norm() - 1); });
     EXPECT_EQ(met.missed, 0);
@@ -189,7 +189,7 @@ TEST(SlimCover, CubeKeepsItsEdges) {
         Random random(5);
         for (int i = 0; i < 3000; ++i) {
             const Vec3d origin(random.uniform(-1, 1), 1 + 1.1 * error, 3);
-            for (const SlimPatch& patch : surface.patches)
+            for (const SlimPatch& patch : surface.levels.front().patches)
                 EXPECT_TRUE(intersect(patch, origin, -Vec3d::UnitZ(), false).empty());
         }
     }
@@ -210,7 +210,7 @@ TEST(SlimCover, FlatSheetEndsWhereItDoes) {
     Random random(6);
     for (int i = 0; i < 2000; ++i) {
         const Vec3d beyond(1 + random.uniform(1.01, 100) * error, random.uniform(0, 1), 1);
-        for (const SlimPatch& patch : surface.patches)
+        for (const SlimPatch& patch : surface.levels.front().patches)
             EXPECT_TRUE(intersect(patch, beyond, -Vec3d::UnitZ(), false).empty());
     }
 }
@@ -239,11 +239,15 @@ class SlimFile : public testing::Test {
 protected:
     std::string written() {
         Random random(4);
-        surface_ = {.patches = {}, .max_error_world = 0.01, .is_closed = true};
-        for (int i = 0; i < 3; ++i) surface_.patches.push_back(random_patch(random));
-        surface_.patches[1].plane_count = 2;
-        surface_.patches[1].is_any = true;
-        surface_.patches[1].planes = {{{random.unit(), 0.25}, {random.unit(), -0.5}}};
+        surface_ = {.levels = {{.patches = {}, .max_error_world = 0.01},
+                               {.patches = {}, .max_error_world = 0.04}},
+                    .is_closed = true};
+        for (int i = 0; i < 3; ++i) surface_.levels[0].patches.push_back(random_patch(random));
+        surface_.levels[1].patches.push_back(random_patch(random));
+        SlimPatch& clipped = surface_.levels[0].patches[1];
+        clipped.plane_count = 2;
+        clipped.is_any = true;
+        clipped.planes = {{{random.unit(), 0.25}, {random.unit(), -0.5}}};
         write_slim(surface_, path_);
         std::ifstream file(path_, std::ios::binary);
         return {std::istreambuf_iterator<char>(file), {}};
@@ -257,10 +261,14 @@ protected:
 TEST_F(SlimFile, ComesBackBitForBit) {
     const std::string bytes = written();
     const SlimSurface read = read_slim(path_);
-    EXPECT_EQ(read.patches.size(), surface_.patches.size());
-    EXPECT_EQ(read.patches[1].planes[1].normal, surface_.patches[1].planes[1].normal);
-    EXPECT_EQ(read.patches[2].height, surface_.patches[2].height);
-    EXPECT_TRUE(read.is_closed && read.patches[1].is_any);
+    ASSERT_EQ(read.levels.size(), 2U);
+    const auto& patches = read.levels[0].patches;
+    ASSERT_EQ(patches.size(), 3U);
+    EXPECT_EQ(patches[1].planes[1].normal, surface_.levels[0].patches[1].planes[1].normal);
+    EXPECT_EQ(patches[2].height, surface_.levels[0].patches[2].height);
+    EXPECT_TRUE(read.is_closed && patches[1].is_any);
+    EXPECT_EQ(read.levels[1].max_error_world, 0.04);
+    EXPECT_EQ(read.levels[1].patches.at(0).height, surface_.levels[1].patches[0].height);
     write_slim(read, path_);
     std::ifstream file(path_, std::ios::binary);
     EXPECT_EQ(std::string(std::istreambuf_iterator<char>(file), {}), bytes);
@@ -288,6 +296,37 @@ TEST_F(SlimFile, AnyChangedByteIsRefused) {
     }
 }
 
+TEST_F(SlimFile, OtherVersionsAreRefusedByNumber) {
+    std::string bytes = written();
+    bytes[8] = 1;
+    write(bytes);
+    try {
+        read_slim(path_);
+        ADD_FAILURE() << "read";
+    } catch (const InputError& error) {
+        EXPECT_NE(std::string(error.what()).find("version 1, not 2"), std::string::npos);
+    }
+}
+
+TEST(Slim, BoxHoldsTheSpheresOfTheFinestLevel) {
+    Random random(9);
+    SlimSurface surface{.levels = {{}, {}}};
+    for (int i = 0; i < 5; ++i) surface.levels[0].patches.push_back(random_patch(random));
+    surface.levels[1].patches.push_back(random_patch(random));
+    EXPECT_EQ(surface.patch_count(), 6U);
+    for (int axis = 0; axis < 3; ++axis) {
+        double low = 1e9;
+        double high = -1e9;
+        for (const SlimPatch& patch : surface.levels[0].patches) {
+            low = std::min(low, patch.centre_world[axis] - patch.radius_world);
+            high = std::max(high, patch.centre_world[axis] + patch.radius_world);
+        }
+        EXPECT_EQ(box_of(surface).min()[axis], low);
+        EXPECT_EQ(box_of(surface).max()[axis], high);
+    }
+    EXPECT_TRUE(box_of(SlimSurface{}).isEmpty());
+}
+
 TEST_F(SlimFile, WrongPatchesAreRefusedByName) {
     const auto message = [&](const std::function<void(SlimSurface&)>& change) {
         written();
@@ -300,16 +339,21 @@ TEST_F(SlimFile, WrongPatchesAreRefusedByName) {
         }
         return std::string();
     };
-    EXPECT_EQ(message([](SlimSurface& s) { s.patches[2].radius_world = -1; }),
-              "SLIM patch 2: its radius is not positive");
-    EXPECT_EQ(message([](SlimSurface& s) { s.patches[0].normal *= 2; }),
-              "SLIM patch 0: its normal is not of unit length");
-    EXPECT_EQ(message([](SlimSurface& s) { s.patches[2].height[4] = std::nan(""); }),
-              "SLIM patch 2: its function is not finite");
-    EXPECT_EQ(message([](SlimSurface& s) { s.patches[2].plane_count = 3; }),
-              "SLIM patch 2: it has more than two planes");
-    EXPECT_EQ(message([](SlimSurface& s) { s.max_error_world = 0; }),
-              "SLIM: its error 0 is not positive");
+    EXPECT_EQ(message([](SlimSurface& s) { s.levels[0].patches[2].radius_world = -1; }),
+              "SLIM level 0, patch 2: its radius is not positive");
+    EXPECT_EQ(message([](SlimSurface& s) { s.levels[0].patches[0].normal *= 2; }),
+              "SLIM level 0, patch 0: its normal is not of unit length");
+    EXPECT_EQ(message([](SlimSurface& s) { s.levels[0].patches[2].height[4] = std::nan(""); }),
+              "SLIM level 0, patch 2: its function is not finite");
+    EXPECT_EQ(message([](SlimSurface& s) { s.levels[0].patches[2].plane_count = 3; }),
+              "SLIM level 0, patch 2: it has more than two planes");
+    EXPECT_EQ(message([](SlimSurface& s) { s.levels[1].patches[0].radius_world = 0; }),
+              "SLIM level 1, patch 0: its radius is not positive");
+    EXPECT_EQ(message([](SlimSurface& s) { s.levels[0].max_error_world = 0; }),
+              "SLIM level 0: its error 0 is not positive");
+    EXPECT_EQ(message([](SlimSurface& s) { s.levels[1].max_error_world = 0.01; }),
+              "SLIM level 1: its error is not above that of the finer level");
+    EXPECT_EQ(message([](SlimSurface& s) { s.levels.clear(); }), "SLIM: it has no level");
 }
 
 } // namespace

@@ -14,7 +14,7 @@ namespace isocast {
 namespace {
 
 /// Of a radius: beyond it weights are small.
-constexpr double covered_share = 0.85;
+constexpr double covered_share = 0.93;
 /// A patch that is off by an error is still within its sphere at what it covers.
 constexpr double spare_errors = 1;
 /// Of the error, the least radius: twice the spare is left to cover.

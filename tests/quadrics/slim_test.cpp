@@ -215,6 +215,32 @@ TEST(SlimCover, FlatSheetEndsWhereItDoes) {
     }
 }
 
+// A prism over a lens whose two sides are as good as one line: planes along both keep a strip,
+// which must end with the lens.
+TEST(SlimCover, NoNeedleSticksOutOfASliver) {
+    const double error = 4e-3;
+    TriangleMesh mesh;
+    for (const double z : {0.0, 1.0})
+        for (const auto& [x, y] : {std::pair{0.0, 0.0}, {0.5, -8e-4}, {1.0, 0.0}, {0.5, 8e-4}})
+            mesh.vertices_world.emplace_back(x, y, z);
+    mesh.triangles = {{4, 5, 6}, {4, 6, 7}, {0, 2, 1}, {0, 3, 2}};
+    for (const int k : {0, 1, 2, 3}) {
+        const int next = (k + 1) % 4;
+        mesh.triangles.push_back({k, next, next + 4});
+        mesh.triangles.push_back({k, next + 4, k + 4});
+    }
+    SlimReport report;
+    const SlimSurface surface = slim_of(mesh, {.max_error_world = error}, report);
+    Random random(9);
+    for (int i = 0; i < 3000; ++i) {
+        // The least spheres have three errors.
+        const double beyond = random.uniform(4 * error, 0.6);
+        const Vec3d origin(random.coin() ? 1 + beyond : -beyond, random.uniform(-error, error), 3);
+        for (const SlimPatch& patch : surface.levels.front().patches)
+            EXPECT_TRUE(intersect(patch, origin, -Vec3d::UnitZ(), false).empty()) << beyond;
+    }
+}
+
 TEST(SlimCover, ThreadsDoNotMatter) {
     const TriangleMesh mesh = cube(16, [](const Vec3d& p) {
         return Vec3d(p +

@@ -24,12 +24,6 @@ nlohmann::ordered_json levels_of(const SlimSurface& surface) {
     return levels;
 }
 
-void print_coarser_levels(const SlimSurface& surface) {
-    for (const SlimLevel& level : surface.levels | std::views::drop(1))
-        fmt::print("  coarser: {} patches for an error of {:.4g}\n", level.patches.size(),
-                   level.max_error_world);
-}
-
 } // namespace
 
 void convert_to_slim(const std::string& input, const CheckedMesh& mesh,
@@ -41,13 +35,18 @@ void convert_to_slim(const std::string& input, const CheckedMesh& mesh,
             "--max-error {}: of a .slim it is a part of the box's diagonal, 0.1 at most", share));
     const double diagonal = bounding_box(mesh.mesh).size().norm();
     const Stopwatch total;
-    SlimReport report;
+    std::vector<SlimReport> reports;
     const SlimSurface surface =
         slim_of({.vertices_world = mesh.mesh.vertices_world, .triangles = mesh.mesh.triangles},
-                {.max_error_world = share * diagonal}, report, progress);
+                {.max_error_world = share * diagonal}, reports, progress);
+    const SlimReport& report = reports.front();
     const double seconds = total.seconds();
     write_slim(surface, output);
     if (is_json) {
+        auto levels = levels_of(surface);
+        for (std::size_t i = 0; i < reports.size(); ++i)
+            levels[i].update(
+                {{"over_bound", reports[i].over_bound}, {"seconds", reports[i].seconds}});
         print_json({{"input", input},
                     {"output", output.string()},
                     {"triangles", mesh.mesh.triangles.size()},
@@ -56,7 +55,7 @@ void convert_to_slim(const std::string& input, const CheckedMesh& mesh,
                     {"over_bound", report.over_bound},
                     {"max_error", surface.levels.front().max_error_world},
                     {"greatest_error", report.greatest_error_world},
-                    {"levels", levels_of(surface)},
+                    {"levels", levels},
                     {"closed", surface.is_closed},
                     {"seconds", seconds}});
         return;
@@ -69,7 +68,11 @@ void convert_to_slim(const std::string& input, const CheckedMesh& mesh,
     if (report.over_bound > 0)
         fmt::print("{} patches of the least size are planes that are off by more\n",
                    report.over_bound);
-    print_coarser_levels(surface);
+    for (std::size_t i = 1; i < reports.size(); ++i)
+        fmt::print(
+            "  coarser: {} patches for an error of {:.4g}, {} of them off by more, {:.2f} s\n",
+            surface.levels[i].patches.size(), surface.levels[i].max_error_world,
+            reports[i].over_bound, reports[i].seconds);
     fmt::print("{:.2f} s\n", seconds);
 }
 
@@ -103,7 +106,9 @@ void describe_slim(const std::string& path, bool is_json) {
     fmt::print(
         "  radii {:.4g} ... {:.4g}, half of them up to {:.4g}; made for an error of {:.4g}\n",
         radius(0), radius(1), radius(0.5), finest.max_error_world);
-    print_coarser_levels(surface);
+    for (const SlimLevel& level : surface.levels | std::views::drop(1))
+        fmt::print("  coarser: {} patches for an error of {:.4g}\n", level.patches.size(),
+                   level.max_error_world);
 }
 
 } // namespace isocast

@@ -2,6 +2,7 @@
 #include "quadrics/slim_cover.h"
 
 #include "quadrics/slim_fit.h"
+#include "volume/stopwatch.h"
 
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
@@ -15,14 +16,25 @@ namespace {
 
 /// Of a radius: beyond it weights are small.
 constexpr double covered_share = 0.93;
-/// A patch that is off by an error is still within its sphere at what it covers.
-constexpr double spare_errors = 1;
-/// Of the error, the least radius: twice the spare is left to cover.
-constexpr double least_radius_errors = 3;
+/// Of the error, the radius of a plane where nothing keeps the error.
+constexpr double fall_back_errors = 3;
+/// Of the error, the least radius that is tried.
+constexpr double least_radius_errors = 3.0 / 16;
 /// Of the box's diagonal, the greatest.
 constexpr double greatest_radius_share = 0.25;
 /// By so much the search for a radius ends: an eighth of an octave.
 constexpr double radius_precision = 1.0906;
+
+/// Errors of levels, each by the one before: a pixel that is twice as large means twice as much,
+/// and in between two levels are blended.
+constexpr double level_factor = 4;
+/// What is drawn in no time needs no coarser level.
+constexpr std::size_t few_patches = 200;
+/// Of the patches of the level before: more are not worth their memory.
+constexpr double greatest_level_share = 2.0 / 3;
+
+/// Of a coarser level's patches: more that are off by more than its error, and it shows.
+constexpr double greatest_share_over_bound = 0.02;
 
 /// A part of a triangle, to be covered as a whole.
 struct Part {
@@ -54,8 +66,9 @@ std::uint64_t scrambled(std::uint64_t number) {
 }
 
 bool covers(const SlimPatch& patch, const Part& part, double max_error_world) {
-    const double reach = std::min(covered_share * patch.radius_world,
-                                  patch.radius_world - spare_errors * max_error_world);
+    const double reach =
+        std::min(covered_share * patch.radius_world,
+                 patch.radius_world - spare_of(patch.radius_world, max_error_world));
     return std::ranges::all_of(part.points_world, [&](const Vec3d& p) {
         return (p - patch.centre_world).squaredNorm() <= reach * reach;
     });
@@ -63,10 +76,10 @@ bool covers(const SlimPatch& patch, const Part& part, double max_error_world) {
 
 class Cover {
 public:
-    Cover(const SlimMesh& mesh, const SlimOptions& options)
-        : mesh_(mesh), options_(options), pieces_of_(mesh.size()),
+    Cover(const SlimMesh& mesh, double max_error_world)
+        : mesh_(mesh), max_error_world_(max_error_world), pieces_of_(mesh.size()),
           fitters_([&] { return SlimFitter(mesh_); }),
-          least_radius_(least_radius_errors * options.max_error_world) {}
+          least_radius_(least_radius_errors * max_error_world) {}
 
     void run(const Progress& progress);
     SlimLevel level(SlimReport& report);
@@ -74,7 +87,7 @@ public:
 private:
     bool is_covered(const Part& part) const {
         return std::ranges::any_of(pieces_of_[static_cast<std::size_t>(part.triangle)], [&](int i) {
-            return covers(piece(i).patch, part, options_.max_error_world);
+            return covers(piece(i).patch, part, max_error_world_);
         });
     }
     const SlimPiece& piece(int i) const { return pieces_[static_cast<std::size_t>(i)]; }
@@ -82,7 +95,7 @@ private:
     void split(const Part& part);
 
     const SlimMesh& mesh_;
-    const SlimOptions& options_;
+    double max_error_world_;
     std::vector<std::vector<int>> pieces_of_; // by triangle
     tbb::enumerable_thread_specific<SlimFitter> fitters_;
     double least_radius_;
@@ -95,7 +108,7 @@ SlimPiece Cover::grown(const Part& part) {
     SlimFitter& fitter = fitters_.local();
     const Vec3d centre = mesh_.point(static_cast<std::size_t>(part.triangle),
                                      part.corners_barycentric.rowwise().mean());
-    const double error = options_.max_error_world;
+    const double error = max_error_world_;
     double size = 0;
     for (const Vec3d& p : part.points_world) size = std::max(size, (p - centre).norm());
     std::optional<SlimPiece> best;
@@ -117,7 +130,8 @@ SlimPiece Cover::grown(const Part& part) {
             radius = good == 0 ? std::max(radius / 2, least_radius_) : std::sqrt(good * bad);
         }
     }
-    return best ? std::move(*best) : fitter.fall_back(part.triangle, centre, least_radius_);
+    return best ? std::move(*best)
+                : fitter.fall_back(part.triangle, centre, fall_back_errors * max_error_world_);
 }
 
 void Cover::split(const Part& part) {
@@ -174,7 +188,7 @@ SlimLevel Cover::level(SlimReport& report) {
     std::vector<std::vector<int>> of_part(done_.size());
     tbb::parallel_for(std::size_t{0}, done_.size(), [&](std::size_t i) {
         for (const int p : pieces_of_[static_cast<std::size_t>(done_[i].triangle)])
-            if (covers(piece(p).patch, done_[i], options_.max_error_world)) of_part[i].push_back(p);
+            if (covers(piece(p).patch, done_[i], max_error_world_)) of_part[i].push_back(p);
     });
     std::vector<std::vector<std::size_t>> parts_of(pieces_.size());
     std::vector<int> left(done_.size()); // patches of a part
@@ -192,27 +206,48 @@ SlimLevel Cover::level(SlimReport& report) {
         stays[p] = false;
         for (const std::size_t i : parts_of[p]) --left[i];
     }
-    SlimLevel out{.patches = {}, .max_error_world = options_.max_error_world};
+    SlimLevel out{.patches = {}, .max_error_world = max_error_world_};
     for (std::size_t p = 0; p < pieces_.size(); ++p) {
         if (!stays[p]) continue;
         out.patches.push_back(pieces_[p].patch);
         report.with_planes += pieces_[p].patch.plane_count > 0 ? 1 : 0;
-        report.over_bound += pieces_[p].residual_world > options_.max_error_world ? 1 : 0;
+        report.over_bound += pieces_[p].residual_world > max_error_world_ ? 1 : 0;
         report.greatest_error_world =
             std::max(report.greatest_error_world, pieces_[p].residual_world);
     }
     return out;
 }
 
+bool is_worth_it(const SlimLevel& level, const SlimLevel& finer, const SlimReport& report) {
+    const auto count = static_cast<double>(level.patches.size());
+    return count < greatest_level_share * static_cast<double>(finer.patches.size()) &&
+           static_cast<double>(report.over_bound) <= greatest_share_over_bound * count;
+}
+
 } // namespace
 
-SlimSurface slim_of(const TriangleMesh& mesh, const SlimOptions& options, SlimReport& report,
-                    const Progress& progress) {
+SlimSurface slim_of(const TriangleMesh& mesh, const SlimOptions& options,
+                    std::vector<SlimReport>& reports, const Progress& progress) {
     const SlimMesh with_sides(mesh, options.crease_degrees);
-    Cover cover(with_sides, options);
-    cover.run(progress);
-    report = {};
-    return {.levels = {cover.level(report)}, .is_closed = with_sides.is_closed()};
+    SlimSurface out{.levels = {}, .is_closed = with_sides.is_closed()};
+    reports.clear();
+    const double greatest_error =
+        greatest_radius_share / fall_back_errors * with_sides.diagonal_world();
+    double error = options.max_error_world;
+    do {
+        const Stopwatch time;
+        Cover cover(with_sides, error);
+        cover.run(progress);
+        SlimReport report;
+        SlimLevel level = cover.level(report);
+        report.seconds = time.seconds();
+        if (!out.levels.empty() && !is_worth_it(level, out.levels.back(), report)) break;
+        out.levels.push_back(std::move(level));
+        reports.push_back(report);
+        error *= level_factor;
+    } while (std::ssize(out.levels) < options.max_levels && error <= greatest_error &&
+             out.levels.back().patches.size() >= few_patches);
+    return out;
 }
 
 } // namespace isocast

@@ -60,7 +60,7 @@ SlimFitter::SlimFitter(const SlimMesh& mesh)
     : mesh_(mesh), visits_(mesh.size(), 0), vertex_visits_(mesh.vertex_count(), 0) {}
 
 void SlimFitter::add_leaves(std::size_t triangle, const Mat3d& corners_barycentric,
-                            const Vec3d& centre_world, double radius_world) {
+                            double bow_world, const Vec3d& centre_world, double radius_world) {
     const Mat3d& l = corners_barycentric;
     Mat3d middles;
     Leaf leaf{.spare_world = mesh_.spare_world(triangle)};
@@ -78,7 +78,7 @@ void SlimFitter::add_leaves(std::size_t triangle, const Mat3d& corners_barycentr
         reach2 = std::max(reach2, (leaf.corners[k] - sum / 3).squaredNorm());
         longest2 = std::max(longest2, (leaf.corners[(k + 1) % 3] - leaf.corners[k]).squaredNorm());
     }
-    if ((sum / 3).norm() - std::sqrt(reach2) - leaf.spare_world >= radius_world) return;
+    if ((sum / 3).norm() - std::sqrt(reach2) - bow_world >= radius_world) return;
     if (longest2 <= leaf_share * leaf_share * radius_world * radius_world) {
         leaves_.push_back(leaf);
         return;
@@ -86,9 +86,9 @@ void SlimFitter::add_leaves(std::size_t triangle, const Mat3d& corners_barycentr
     for (int k = 0; k < 3; ++k) {
         Mat3d part; // turning as the whole does
         part << middles.col(k), l.col((k + 1) % 3), middles.col((k + 1) % 3);
-        add_leaves(triangle, part, centre_world, radius_world);
+        add_leaves(triangle, part, bow_world / 4, centre_world, radius_world);
     }
-    add_leaves(triangle, middles, centre_world, radius_world);
+    add_leaves(triangle, middles, bow_world / 4, centre_world, radius_world);
 }
 
 void SlimFitter::collect(int triangle, const Vec3d& centre_world, double radius_world,
@@ -110,7 +110,7 @@ void SlimFitter::collect(int triangle, const Vec3d& centre_world, double radius_
             };
             leaves_.push_back({p, {middle(0), middle(1), middle(2)}, mesh_.spare_world(i)});
         } else {
-            add_leaves(i, Mat3d::Identity(), centre_world, radius_world);
+            add_leaves(i, Mat3d::Identity(), mesh_.spare_world(i), centre_world, radius_world);
         }
         for (std::size_t k = 0; k < 3; ++k) {
             auto& visit = vertex_visits_[static_cast<std::size_t>(corners[k])];
@@ -366,7 +366,10 @@ std::optional<SlimPiece> SlimFitter::fit_collected(const Vec3d& centre_world, do
     SlimPiece piece{.patch = fitted(centre_world, radius_world)};
     if (!is_graph(piece.patch.normal, least_cosine)) return std::nullopt;
     piece.residual_world = residual(piece.patch);
-    if (!(piece.residual_world <= (ends_.empty() ? 1 : 0.5) * max_error_world)) return std::nullopt;
+    const double spare = spare_of(radius_world, max_error_world);
+    if (!(piece.residual_world <= (ends_.empty() ? spare : max_error_world / 2)))
+        return std::nullopt;
+    if (!ends_.empty() && spare < max_error_world) return std::nullopt; // it might not meet others
     if (!ends_.empty() &&
         !(clip(piece.patch, max_error_world) && ends_with_part(piece.patch, max_error_world)))
         return std::nullopt;

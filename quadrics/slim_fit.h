@@ -5,6 +5,7 @@
 #include "quadrics/slim.h"
 #include "quadrics/slim_mesh.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -18,6 +19,11 @@ struct SlimPiece {
     std::vector<int> triangles; // of the mesh, all or in part
 };
 
+/// What a patch may be off by: a third of the radius at most, so that it stays in its sphere.
+inline double spare_of(double radius_world, double max_error_world) {
+    return std::min(max_error_world, radius_world / 3);
+}
+
 /// Fits patches, one at a time.
 class SlimFitter {
 public:
@@ -29,8 +35,9 @@ public:
     /// so that neighbours across a crease, each half an error longer than it is, meet.
     ///
     /// returns   nothing if no patch keeps the error: the part bends too much, or back, or has more
-    ///           than two ends, or ends where no plane does
-    /// accuracy  heights over the samples, the mesh's vertices, are no greater than the error; over
+    ///           than two ends, or any in a sphere of less than three errors, or one where no plane
+    ///           ends it
+    /// accuracy  heights over the samples, the mesh's vertices, are no greater than spare_of(); over
     ///           the surface between them, at corners and middles of edges of its parts of 0.7 of
     ///           the radius, than that and twice as far as the triangle bows (flat ones do not);
     ///           heights are no less than distances
@@ -58,7 +65,8 @@ private:
     };
     void collect(int triangle, const Vec3d& centre_world, double radius_world,
                  bool crosses_creases);
-    void add_leaves(std::size_t triangle, const Mat3d& corners_barycentric,
+    /// bow_world  no less than how far this part of the triangle leaves the plane of its corners
+    void add_leaves(std::size_t triangle, const Mat3d& corners_barycentric, double bow_world,
                     const Vec3d& centre_world, double radius_world);
     bool is_graph(const Vec3d& normal, double least_cosine) const;
     /// Heights by least squares; as they come without enough leaves.

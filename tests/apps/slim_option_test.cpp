@@ -32,7 +32,11 @@ TEST_F(ConvertToSlim, ReportsWhatTheFileHolds) {
     EXPECT_LT(made["patches"], made["triangles"]);
     const Json info = Json::parse(checked_output(isocast({"info", folder / "a.slim", "--json"})));
     EXPECT_EQ(info["patches"], made["patches"]);
-    EXPECT_EQ(info["levels"], made["levels"]);
+    for (std::size_t i = 0; i < surface.levels.size(); ++i) {
+        EXPECT_EQ(made["levels"][i]["patches"], surface.levels[i].patches.size());
+        EXPECT_EQ(info["levels"][i]["patches"], surface.levels[i].patches.size());
+        EXPECT_EQ(info["levels"][i]["max_error"], surface.levels[i].max_error_world);
+    }
     EXPECT_EQ(info["closed"], true);
     EXPECT_EQ(info["max_error"], made["max_error"]);
 }

@@ -1,15 +1,11 @@
-// SLIM surfaces: the formulas of a patch against others, covers against shapes with a closed form,
-// files whole and damaged.
+// SLIM surfaces: the formulas of a patch against others, files whole and damaged.
 // SPDX-License-Identifier: MPL-2.0
 #include "../volume/temporary_folder.h"
-#include "quad_cube.h"
-#include "quadrics/slim_cover.h"
 #include "quadrics/slim_file.h"
 #include "random_primitives.h"
 #include "volume/errors.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <fstream>
 #include <functional>
@@ -34,57 +30,6 @@ double height_over(const SlimPatch& patch, const Vec3d& p_world) {
     const auto& h = patch.height;
     return q.z() - (h[0] + h[1] * q.x() + h[2] * q.y() + h[3] * q.x() * q.x() +
                     h[4] * q.x() * q.y() + h[5] * q.y() * q.y());
-}
-
-/// quad_cube(), each quad in two.
-TriangleMesh cube(int n, const std::function<Vec3d(const Vec3d&)>& moved) {
-    const PatchMesh quads = test::quad_cube(n, moved);
-    TriangleMesh mesh{.vertices_world = quads.vertices_world};
-    for (const auto& [a, b, c, d] : quads.quads) {
-        mesh.triangles.push_back({a, b, c});
-        mesh.triangles.push_back({a, c, d});
-    }
-    return mesh;
-}
-TriangleMesh ball(int n) {
-    return cube(n, [](const Vec3d& p) { return Vec3d(p.normalized()); });
-}
-
-/// How far from the surface of the cube.
-double distance_to_cube(const Vec3d& p) {
-    const Vec3d outside = (p.cwiseAbs() - Vec3d::Ones()).cwiseMax(0);
-    return outside.isZero(0) ? 1 - p.cwiseAbs().maxCoeff() : outside.norm();
-}
-
-struct Met {
-    double greatest_off = 0; // of all hits, from the surface
-    int missed = 0;
-};
-/// Rays against the normals of random points of the mesh, from `reach` in front of it to as far
-/// behind: a second way to the surface than by heights.
-Met met_by_rays(const TriangleMesh& mesh, const SlimSurface& surface, double reach, int count,
-                const std::function<double(const Vec3d&)>& distance) {
-    Random random(7);
-    Met met;
-    for (int i = 0; i < count; ++i) {
-        const auto number = static_cast<std::size_t>(
-            random.uniform(0, static_cast<double>(mesh.triangles.size()) - 1e-9));
-        const Triangle triangle = triangle_of(mesh, number);
-        const double u = std::sqrt(random.uniform(0, 1));
-        const double v = random.uniform(0, 1);
-        const auto& [a, b, c] = triangle.corners_world;
-        const Vec3d p = (1 - u) * a + u * ((1 - v) * b + v * c);
-        const Vec3d n = area_normal(triangle).normalized();
-        bool is_met = false;
-        for (const SlimPatch& patch : surface.levels.front().patches)
-            for (const SlimHit& hit : intersect(patch, p + reach * n, -n, true)) {
-                if (hit.t > 2 * reach) continue;
-                is_met = true;
-                met.greatest_off = std::max(met.greatest_off, distance(p + (reach - hit.t) * n));
-            }
-        met.missed += is_met ? 0 : 1;
-    }
-    return met;
 }
 
 TEST(Slim, HitsLieOnTheGraphAndNormalsAreItsGradient) {
@@ -156,109 +101,6 @@ TEST(Slim, TurnedAwayPatchesShowNoRayTheirOuterSide) {
         }
     }
     EXPECT_GT(turned, 200); // a seventh of all, so that the test tests something
-}
-
-TEST(SlimCover, BallIsCoveredWithinTheError) {
-    const TriangleMesh mesh = ball(40);
-    SlimReport report;
-    const double error = 2e-3;
-    const SlimSurface surface = slim_of(mesh, {.max_error_world = error}, report);
-    EXPECT_TRUE(surface.is_closed);
-    EXPECT_EQ(report.over_bound, 0U);
-    EXPECT_LT(surface.levels.front().patches.size(), mesh.triangles.size() / 20);
-    const Met met = met_by_rays(mesh, surface, 0.1, 5000,
-                                [](const Vec3d& p) { return std::abs(p.norm() - 1); });
-    EXPECT_EQ(met.missed, 0);
-    // Between vertices by 2 bows of the longest edge, 2/40 sqrt(2) long, more: L^2 / 8 each.
-    EXPECT_LT(met.greatest_off, error + 0.5 * 0.05 * 0.05);
-}
-
-TEST(SlimCover, CubeKeepsItsEdges) {
-    for (const int n : {1, 8}) {
-        const TriangleMesh mesh = cube(n, [](const Vec3d& p) { return p; });
-        SlimReport report;
-        const double error = 4e-3;
-        const SlimSurface surface = slim_of(mesh, {.max_error_world = error}, report);
-        EXPECT_EQ(report.over_bound, 0U);
-        EXPECT_GT(report.with_planes, 0U);
-        const Met met = met_by_rays(mesh, surface, 0.1, 5000, distance_to_cube);
-        EXPECT_EQ(met.missed, 0);
-        // Faces are flat, where a patch with ends is off by half the error, and half of it longer.
-        EXPECT_LT(met.greatest_off, error);
-        // Nothing sticks out: rays past the edges, a little more than an error away, miss.
-        Random random(5);
-        for (int i = 0; i < 3000; ++i) {
-            const Vec3d origin(random.uniform(-1, 1), 1 + 1.1 * error, 3);
-            for (const SlimPatch& patch : surface.levels.front().patches)
-                EXPECT_TRUE(intersect(patch, origin, -Vec3d::UnitZ(), false).empty());
-        }
-    }
-}
-
-TEST(SlimCover, FlatSheetEndsWhereItDoes) {
-    TriangleMesh mesh{.vertices_world = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}},
-                      .triangles = {{0, 1, 2}, {0, 2, 3}}};
-    SlimReport report;
-    const double error = 1e-3;
-    const SlimSurface surface = slim_of(mesh, {.max_error_world = error}, report);
-    EXPECT_FALSE(surface.is_closed);
-    EXPECT_EQ(report.over_bound, 0U);
-    const Met met =
-        met_by_rays(mesh, surface, 0.1, 3000, [](const Vec3d& p) { return std::abs(p.z()); });
-    EXPECT_EQ(met.missed, 0);
-    EXPECT_LT(met.greatest_off, 1e-12); // least squares of what is flat: roundings
-    Random random(6);
-    for (int i = 0; i < 2000; ++i) {
-        const Vec3d beyond(1 + random.uniform(1.01, 100) * error, random.uniform(0, 1), 1);
-        for (const SlimPatch& patch : surface.levels.front().patches)
-            EXPECT_TRUE(intersect(patch, beyond, -Vec3d::UnitZ(), false).empty());
-    }
-}
-
-// A prism over a lens whose two sides are as good as one line: planes along both keep a strip,
-// which must end with the lens.
-TEST(SlimCover, NoNeedleSticksOutOfASliver) {
-    const double error = 4e-3;
-    TriangleMesh mesh;
-    for (const double z : {0.0, 1.0})
-        for (const auto& [x, y] : {std::pair{0.0, 0.0}, {0.5, -8e-4}, {1.0, 0.0}, {0.5, 8e-4}})
-            mesh.vertices_world.emplace_back(x, y, z);
-    mesh.triangles = {{4, 5, 6}, {4, 6, 7}, {0, 2, 1}, {0, 3, 2}};
-    for (const int k : {0, 1, 2, 3}) {
-        const int next = (k + 1) % 4;
-        mesh.triangles.push_back({k, next, next + 4});
-        mesh.triangles.push_back({k, next + 4, k + 4});
-    }
-    SlimReport report;
-    const SlimSurface surface = slim_of(mesh, {.max_error_world = error}, report);
-    Random random(9);
-    for (int i = 0; i < 3000; ++i) {
-        // The least spheres have three errors.
-        const double beyond = random.uniform(4 * error, 0.6);
-        const Vec3d origin(random.coin() ? 1 + beyond : -beyond, random.uniform(-error, error), 3);
-        for (const SlimPatch& patch : surface.levels.front().patches)
-            EXPECT_TRUE(intersect(patch, origin, -Vec3d::UnitZ(), false).empty()) << beyond;
-    }
-}
-
-TEST(SlimCover, ThreadsDoNotMatter) {
-    const TriangleMesh mesh = cube(16, [](const Vec3d& p) {
-        return Vec3d(p +
-                     0.1 * Vec3d(std::sin(3 * p.y()), std::sin(4 * p.z()), std::sin(5 * p.x())));
-    });
-    std::vector<SlimSurface> made;
-    for (const std::size_t threads : {1, 3}) {
-        const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-        SlimReport report;
-        made.push_back(slim_of(mesh, {.max_error_world = 2e-3}, report));
-    }
-    const test::TemporaryFolder folder;
-    const auto bytes = [&](const SlimSurface& surface, const std::string& name) {
-        write_slim(surface, folder / name);
-        std::ifstream file(folder / name, std::ios::binary);
-        return std::string(std::istreambuf_iterator<char>(file), {});
-    };
-    EXPECT_EQ(bytes(made[0], "one.slim"), bytes(made[1], "three.slim"));
 }
 
 class SlimFile : public testing::Test {

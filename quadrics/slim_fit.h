@@ -37,7 +37,8 @@ public:
     /// returns   nothing if no patch keeps the error: the part bends too much, or back, or has more
     ///           than two ends, or any in a sphere of less than three errors, or one where no plane
     ///           ends it
-    /// accuracy  heights over the samples, the mesh's vertices, are no greater than spare_of(); over
+    /// accuracy  heights over the samples, the mesh's vertices, are no greater than spare_of();
+    /// over
     ///           the surface between them, at corners and middles of edges of its parts of 0.7 of
     ///           the radius, than that and twice as far as the triangle bows (flat ones do not);
     ///           heights are no less than distances

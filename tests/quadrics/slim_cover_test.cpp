@@ -185,8 +185,8 @@ TEST(SlimCover, NoNeedleSticksOutOfASliver) {
         mesh.triangles.push_back({k, next, next + 4});
         mesh.triangles.push_back({k, next + 4, k + 4});
     }
-    SlimReport report;
-    const SlimSurface surface = slim_of(mesh, {.max_error_world = error}, report);
+    std::vector<SlimReport> reports;
+    const SlimSurface surface = slim_of(mesh, {.max_error_world = error}, reports);
     Random random(9);
     for (int i = 0; i < 3000; ++i) {
         // The least spheres have three errors.

@@ -306,25 +306,35 @@ ConvertReport run_job(const ConvertCommand& command, const Job& job, Console& co
 
 /// A surface of pieces of quadrics, no field.
 void run_slim(const ConvertCommand& command, const Job& job, Console& console) {
-    if (command.method != Method::Prism || command.prism != PrismKind::Exact ||
+    const bool takes_points = command.method == Method::Points;
+    if ((command.method != Method::Prism && !takes_points) || command.prism != PrismKind::Exact ||
         command.voxel_size_world || command.resolution || command.extend != Extend::None ||
         command.device != Device::Cpu || command.closest || command.dry_run ||
-        command.sign != SignMethod::Auto || command.octree.filter || command.band_world)
-        throw UsageError("a .slim is no field: it has --max-error, --repair and --threads alone");
+        command.sign != SignMethod::Auto || command.octree.filter || command.band_world ||
+        command.meshless != MeshlessOptions{.neighbours = command.meshless.neighbours})
+        throw UsageError("a .slim is no field: it has --max-error, --repair, --threads, and of "
+                         "--method points --neighbours alone");
     check_output(job.output, {".slim"});
     const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
                                       command.threads);
     const Progress progress = console.progress();
     progress("reading", 0);
-    CheckedMesh mesh = read_checked_mesh(input_from(job.input));
-    if (command.repair) mesh = repaired(mesh);
-    for (const std::string& warning : mesh.warnings)
-        console.warn(fmt::format("{}: {}", job.input, warning));
-    convert_to_slim(job.input, mesh, command.max_error, job.output, command.json,
-                    [&](std::string_view stage, double fraction) {
-                        progress(stage, fraction);
-                        if (fraction >= 1) console.end_progress();
-                    });
+    const auto convert = [&](const auto& read) {
+        for (const std::string& warning : read.warnings)
+            console.warn(fmt::format("{}: {}", job.input, warning));
+        convert_to_slim(job.input, read, command.max_error, job.output, command.json,
+                        [&](std::string_view stage, double fraction) {
+                            progress(stage, fraction);
+                            if (fraction >= 1) console.end_progress();
+                        });
+    };
+    const Input input = input_from(job.input);
+    if (takes_points) {
+        convert(read_checked_points(input, command.meshless.neighbours));
+        return;
+    }
+    const CheckedMesh mesh = read_checked_mesh(input);
+    convert(command.repair ? repaired(mesh) : mesh);
 }
 
 void run(const ConvertCommand& command, Console& console) {

@@ -1,8 +1,9 @@
-// Meshes that become SLIM surfaces, and what is said of these.
+// Meshes and points that become SLIM surfaces, and what is said of these.
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
 #include "distance_transform/checked_mesh.h"
+#include "distance_transform/convert_points.h"
 #include "volume/progress.h"
 
 #include <filesystem>
@@ -11,11 +12,16 @@
 
 namespace isocast {
 
-/// Writes the surface of a mesh as pieces of quadrics, and reports it on stdout.
+/// Writes the surface of a mesh or of points as pieces of quadrics, and reports it on stdout.
 ///
-/// max_error  of the diagonal of the mesh's box; a thousandth if empty
-/// throws     UsageError if it is not in (0, 0.1]; InputError, ResourceError as write_slim
+/// max_error  of the diagonal of the box; a thousandth if empty
+/// throws     UsageError if it is not in (0, 0.1]; InputError as slim_of_points; InputError,
+///            ResourceError as write_slim
 void convert_to_slim(const std::string& input, const CheckedMesh& mesh,
+                     const std::optional<double>& max_error, const std::filesystem::path& output,
+                     bool is_json, const Progress& progress);
+
+void convert_to_slim(const std::string& input, const CheckedPoints& points,
                      const std::optional<double>& max_error, const std::filesystem::path& output,
                      bool is_json, const Progress& progress);
 

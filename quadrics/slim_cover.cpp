@@ -2,7 +2,6 @@
 #include "quadrics/slim_cover.h"
 
 #include "quadrics/slim_fit.h"
-#include "volume/stopwatch.h"
 
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
@@ -14,27 +13,10 @@ namespace isocast {
 
 namespace {
 
-/// Of a radius: beyond it weights are small.
-constexpr double covered_share = 0.93;
-/// Of the error, the radius of a plane where nothing keeps the error.
-constexpr double fall_back_errors = 3;
 /// Of the error, the least radius that is tried.
 constexpr double least_radius_errors = 3.0 / 16;
-/// Of the box's diagonal, the greatest.
-constexpr double greatest_radius_share = 0.25;
 /// By so much the search for a radius ends: an eighth of an octave.
 constexpr double radius_precision = 1.0906;
-
-/// Errors of levels, each by the one before: a pixel that is twice as large means twice as much,
-/// and in between two levels are blended.
-constexpr double level_factor = 4;
-/// What is drawn in no time needs no coarser level.
-constexpr std::size_t few_patches = 200;
-/// Of the patches of the level before: more are not worth their memory.
-constexpr double greatest_level_share = 2.0 / 3;
-
-/// Of a coarser level's patches: more that are off by more than its error, and it shows.
-constexpr double greatest_share_over_bound = 0.02;
 
 /// A part of a triangle, to be covered as a whole.
 struct Part {
@@ -57,17 +39,9 @@ Part part_of(const SlimMesh& mesh, int triangle, const Mat3d& corners_barycentri
     return part;
 }
 
-/// source  splitmix64's finaliser, Steele, Lea and Flood 2014
-std::uint64_t scrambled(std::uint64_t number) {
-    std::uint64_t x = (number + 1) * 0x9e3779b97f4a7c15;
-    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9;
-    x = (x ^ x >> 27) * 0x94d049bb133111eb;
-    return x ^ x >> 31;
-}
-
 bool covers(const SlimPatch& patch, const Part& part, double max_error_world) {
     const double reach =
-        std::min(covered_share * patch.radius_world,
+        std::min(slim_covered_share * patch.radius_world,
                  patch.radius_world - spare_of(patch.radius_world, max_error_world));
     return std::ranges::all_of(part.points_world, [&](const Vec3d& p) {
         return (p - patch.centre_world).squaredNorm() <= reach * reach;
@@ -115,7 +89,8 @@ SlimPiece Cover::grown(const Part& part) {
     // From about what the part takes, up while it goes well, or down until it does.
     double good = 0;
     double bad = 0;
-    const double greatest = std::max(greatest_radius_share * mesh_.diagonal_world(), least_radius_);
+    const double greatest =
+        std::max(slim_greatest_radius_share * mesh_.diagonal_world(), least_radius_);
     double radius = std::clamp(4 * size, least_radius_, greatest);
     while (good == 0 || bad == 0 || bad > good * radius_precision) {
         auto piece = fitter.fit(part.triangle, centre, radius, error);
@@ -131,7 +106,7 @@ SlimPiece Cover::grown(const Part& part) {
         }
     }
     return best ? std::move(*best)
-                : fitter.fall_back(part.triangle, centre, fall_back_errors * max_error_world_);
+                : fitter.fall_back(part.triangle, centre, slim_fall_back_errors * max_error_world_);
 }
 
 void Cover::split(const Part& part) {
@@ -184,28 +159,14 @@ void Cover::run(const Progress& progress) {
 }
 
 SlimLevel Cover::level(SlimReport& report) {
-    // Which patches each part has, and how many parts each patch holds alone.
     std::vector<std::vector<int>> of_part(done_.size());
     tbb::parallel_for(std::size_t{0}, done_.size(), [&](std::size_t i) {
         for (const int p : pieces_of_[static_cast<std::size_t>(done_[i].triangle)])
             if (covers(piece(p).patch, done_[i], max_error_world_)) of_part[i].push_back(p);
     });
-    std::vector<std::vector<std::size_t>> parts_of(pieces_.size());
-    std::vector<int> left(done_.size()); // patches of a part
-    for (std::size_t i = 0; i < done_.size(); ++i) {
-        left[i] = static_cast<int>(of_part[i].size());
-        for (const int p : of_part[i]) parts_of[static_cast<std::size_t>(p)].push_back(i);
-    }
-    std::vector<std::size_t> order(pieces_.size());
-    for (std::size_t p = 0; p < order.size(); ++p) order[p] = p;
-    std::ranges::stable_sort(order, {},
-                             [&](std::size_t p) { return pieces_[p].patch.radius_world; });
-    std::vector<bool> stays(pieces_.size(), true);
-    for (const std::size_t p : order) {
-        if (!std::ranges::all_of(parts_of[p], [&](std::size_t i) { return left[i] > 1; })) continue;
-        stays[p] = false;
-        for (const std::size_t i : parts_of[p]) --left[i];
-    }
+    std::vector<double> radii(pieces_.size());
+    for (std::size_t p = 0; p < pieces_.size(); ++p) radii[p] = pieces_[p].patch.radius_world;
+    const std::vector<bool> stays = needed_patches(of_part, radii);
     SlimLevel out{.patches = {}, .max_error_world = max_error_world_};
     for (std::size_t p = 0; p < pieces_.size(); ++p) {
         if (!stays[p]) continue;
@@ -218,35 +179,19 @@ SlimLevel Cover::level(SlimReport& report) {
     return out;
 }
 
-bool is_worth_it(const SlimLevel& level, const SlimLevel& finer, const SlimReport& report) {
-    const auto count = static_cast<double>(level.patches.size());
-    return count < greatest_level_share * static_cast<double>(finer.patches.size()) &&
-           static_cast<double>(report.over_bound) <= greatest_share_over_bound * count;
-}
-
 } // namespace
 
 SlimSurface slim_of(const TriangleMesh& mesh, const SlimOptions& options,
                     std::vector<SlimReport>& reports, const Progress& progress) {
     const SlimMesh with_sides(mesh, options.crease_degrees);
-    SlimSurface out{.levels = {}, .is_closed = with_sides.is_closed()};
-    reports.clear();
-    const double greatest_error =
-        greatest_radius_share / fall_back_errors * with_sides.diagonal_world();
-    double error = options.max_error_world;
-    do {
-        const Stopwatch time;
-        Cover cover(with_sides, error);
-        cover.run(progress);
-        SlimReport report;
-        SlimLevel level = cover.level(report);
-        report.seconds = time.seconds();
-        if (!out.levels.empty() && !is_worth_it(level, out.levels.back(), report)) break;
-        out.levels.push_back(std::move(level));
-        reports.push_back(report);
-        error *= level_factor;
-    } while (std::ssize(out.levels) < options.max_levels && error <= greatest_error &&
-             out.levels.back().patches.size() >= few_patches);
+    SlimSurface out =
+        with_levels(options.max_error_world, options.max_levels, with_sides.diagonal_world(),
+                    reports, [&](double max_error_world, SlimReport& report) {
+                        Cover cover(with_sides, max_error_world);
+                        cover.run(progress);
+                        return cover.level(report);
+                    });
+    out.is_closed = with_sides.is_closed();
     return out;
 }
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
-#include "quadrics/slim.h"
+#include "quadrics/slim_choice.h"
 #include "quadrics/triangles.h"
 #include "volume/progress.h"
 
@@ -14,23 +14,13 @@ struct SlimOptions {
     int max_levels = 16;        // 1: the finest alone
 };
 
-/// Of a level.
-struct SlimReport {
-    std::size_t with_planes = 0;     // of the patches
-    std::size_t over_bound = 0;      // of the least size, planes that do not keep the error
-    double greatest_error_world = 0; // bounded, of all patches
-    double seconds = 0;
-};
-
 /// Covers a mesh by spheres, each with a patch that keeps the error: centres are taken at random
 /// from what is not covered yet, and spheres grow as far as their patch keeps it. Every point of
 /// the mesh lies, with a triangle around it, within 0.93 of the radius of a patch whose part of the
 /// mesh it belongs to, and by more than the error within its sphere: what is not is cut in four
 /// until it is. Patches that the others make needless then go, the smallest first.
 ///
-/// Then the mesh is covered anew with four times the error, and so on, while that leaves less than
-/// two thirds of the patches, of which one of fifty at most does not keep its error: each level is
-/// a whole cover. The last has fewer than 200 patches, if errors become that great.
+/// Then come the coarser levels of with_levels(), each a whole cover.
 ///
 /// options  max_error_world above 0
 /// reports  of each level

@@ -59,6 +59,27 @@ TEST_F(ConvertToSlim, RefusesWhatOnlyFieldsHave) {
     EXPECT_FALSE(std::filesystem::exists(folder / "a.slim"));
 }
 
+TEST_F(ConvertToSlim, TakesPointsAlone) {
+    const Json made = Json::parse(
+        checked_output(convert({"--method", "points", "-o", folder / "a.slim", "--json"})));
+    const SlimSurface surface = read_slim(folder / "a.slim");
+    EXPECT_GT(made["points"], 100);
+    EXPECT_EQ(made["normals"], "given");
+    EXPECT_FALSE(made.contains("triangles"));
+    EXPECT_EQ(made["patches"], surface.patch_count());
+    EXPECT_GT(surface.levels.front().patches.size(), 10U);
+    EXPECT_FALSE(surface.is_closed);
+    for (const std::vector<std::string>& wrong :
+         {std::vector<std::string>{"--approximation", "1"}, {"--point-method", "mls"}})
+        EXPECT_EQ(convert(joined({"--method", "points", "-o", folder / "b.slim"}, wrong)).code, 2);
+    std::ofstream(folder / "few.xyz") << "0 0 0\n1 0 0\n0 1 0\n";
+    EXPECT_EQ(
+        isocast({"convert", folder / "few.xyz", "--method", "points", "-o", folder / "b.slim"})
+            .code,
+        3);
+    EXPECT_FALSE(std::filesystem::exists(folder / "b.slim"));
+}
+
 TEST_F(ConvertToSlim, DamagedFilesAreRefused) {
     std::ofstream(folder / "a.slim") << "isoSLIM\n and no more";
     EXPECT_EQ(isocast({"info", folder / "a.slim"}).code, 3);

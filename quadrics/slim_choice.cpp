@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MPL-2.0
+#include "quadrics/slim_choice.h"
+
+#include "volume/stopwatch.h"
+
+#include <algorithm>
+
+namespace isocast {
+
+namespace {
+
+/// Errors of levels, each by the one before: a pixel that is twice as large means twice as much,
+/// and in between two levels are blended.
+constexpr double level_factor = 4;
+/// What is drawn in no time needs no coarser level.
+constexpr std::size_t few_patches = 200;
+/// Of the patches of the level before: more are not worth their memory.
+constexpr double greatest_level_share = 2.0 / 3;
+
+/// Of a coarser level's patches: more that are off by more than its error, and it shows.
+constexpr double greatest_share_over_bound = 0.02;
+
+bool is_worth_it(const SlimLevel& level, const SlimLevel& finer, const SlimReport& report) {
+    const auto count = static_cast<double>(level.patches.size());
+    return count < greatest_level_share * static_cast<double>(finer.patches.size()) &&
+           static_cast<double>(report.over_bound) <= greatest_share_over_bound * count;
+}
+
+} // namespace
+
+/// source  splitmix64's finaliser, Steele, Lea and Flood 2014
+std::uint64_t scrambled(std::uint64_t number) {
+    std::uint64_t x = (number + 1) * 0x9e3779b97f4a7c15;
+    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9;
+    x = (x ^ x >> 27) * 0x94d049bb133111eb;
+    return x ^ x >> 31;
+}
+
+std::vector<bool> needed_patches(const std::vector<std::vector<int>>& covering,
+                                 const std::vector<double>& radius_world) {
+    const std::size_t count = radius_world.size();
+    std::vector<std::vector<std::size_t>> things_of(count);
+    std::vector<std::size_t> left(covering.size()); // patches of a thing
+    for (std::size_t i = 0; i < covering.size(); ++i) {
+        left[i] = covering[i].size();
+        for (const int p : covering[i]) things_of[static_cast<std::size_t>(p)].push_back(i);
+    }
+    std::vector<std::size_t> order(count);
+    for (std::size_t p = 0; p < count; ++p) order[p] = p;
+    std::ranges::stable_sort(order, {}, [&](std::size_t p) { return radius_world[p]; });
+    std::vector<bool> stays(count, true);
+    for (const std::size_t p : order) {
+        if (!std::ranges::all_of(things_of[p], [&](std::size_t i) { return left[i] > 1; }))
+            continue;
+        stays[p] = false;
+        for (const std::size_t i : things_of[p]) --left[i];
+    }
+    return stays;
+}
+
+SlimSurface
+with_levels(double max_error_world, int max_levels, double diagonal_world,
+            std::vector<SlimReport>& reports,
+            const std::function<SlimLevel(double max_error_world, SlimReport& report)>& cover) {
+    SlimSurface out;
+    reports.clear();
+    const double greatest_error =
+        slim_greatest_radius_share / slim_fall_back_errors * diagonal_world;
+    double error = max_error_world;
+    do {
+        const Stopwatch time;
+        SlimReport report;
+        SlimLevel level = cover(error, report);
+        report.seconds = time.seconds();
+        if (!out.levels.empty() && !is_worth_it(level, out.levels.back(), report)) break;
+        out.levels.push_back(std::move(level));
+        reports.push_back(report);
+        error *= level_factor;
+    } while (std::ssize(out.levels) < max_levels && error <= greatest_error &&
+             out.levels.back().patches.size() >= few_patches);
+    return out;
+}
+
+} // namespace isocast

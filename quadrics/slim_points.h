@@ -18,7 +18,7 @@ struct SlimPoints {
 
 /// Covers points by spheres with patches, as slim_of() covers a mesh: heights over the points that
 /// face a patch's way are no greater than the error. Each point lies, with a disc of its spacing
-/// around it, within 0.85 of a patch's radius and, by more than the error, within its sphere.
+/// around it, within 0.93 of a patch's radius and, by more than the error, within its sphere.
 ///
 /// A sphere holds if its points fill it: of a grid over it no cell of three spacings that lies in
 /// it as a whole is empty. So patches pass creases and borders, at which nothing clips them (the

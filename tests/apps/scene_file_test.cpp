@@ -24,6 +24,7 @@ struct SceneFiles : testing::Test {
         write_text(folder / "a.obj", "");
         write_text(folder / "a.xyz", "");
         write_text(folder / "a.csv", "");
+        write_text(folder / "a.slim", "");
         write_png({2, 1, {1, 1, 1, 1, 0, 0, 0, 1}}, folder / "map.png");
     }
     SceneFile read(const std::string& text) const {
@@ -56,6 +57,7 @@ std::string example_of(const SceneTable& table, const SceneKey& key) {
     if (key.name == "field" || key.name == "volume") return "\"field:torus@8\"";
     if (key.name == "points") return "\"a.csv\"";
     if (key.name == "molecule") return "\"a.xyz\"";
+    if (key.name == "slim") return "\"a.slim\"";
     if (key.type == "text") return "\"1\"";
     if (key.type.starts_with("file")) return "\"map.png\"";
     if (key.type == "[lo, hi]") return "[-1, 2]";

@@ -1,147 +1,318 @@
-// SLIM surfaces: fragments beside spheres', and frames with and without back-face culling (tables 1
-// and 2 of Stoll et al. 2006).
+// SLIM surfaces beside meshes simplified by edge collapse: how many primitives each takes for one
+// error, and how exact its normals are.
 // SPDX-License-Identifier: MPL-2.0
-#include "quadrics/quadrics_bench.h"
-#include "quadrics/slim_file.h"
+#include "distance_transform/checked_mesh.h"
+#include "distance_transform/mesh_files.h"
+#include "quadrics/slim_cover.h"
 
-#include <CLI/CLI.hpp>
+#include <CGAL/AABB_face_graph_triangle_primitive.h>
+#include <CGAL/AABB_traits.h>
+#include <CGAL/AABB_tree.h>
+#include <CGAL/Simple_cartesian.h>
+#include <CGAL/Surface_mesh.h>
+#include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/Count_stop_predicate.h>
+#include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/LindstromTurk_cost.h>
+#include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/LindstromTurk_placement.h>
+#include <CGAL/Surface_mesh_simplification/edge_collapse.h>
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
-#include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <string>
 
 namespace {
 
 using namespace isocast;
+using Kernel = CGAL::Simple_cartesian<double>;
+using Surface = CGAL::Surface_mesh<Kernel::Point_3>;
+using Tree =
+    CGAL::AABB_tree<CGAL::AABB_traits<Kernel, CGAL::AABB_face_graph_triangle_primitive<Surface>>>;
 
-double median(std::vector<double> values) {
-    std::ranges::nth_element(values, values.begin() + std::ssize(values) / 2);
-    return values[values.size() / 2];
+constexpr double pi = std::numbers::pi;
+
+/// A mesh and, at its vertices, the normals of the surface that it samples.
+struct Shape {
+    std::string name;
+    TriangleMesh mesh;
+    std::vector<Vec3d> normals;
+    double diagonal_world = 0;
+};
+
+/// At the shape's vertices: distances to an approximation, and angles with its normals.
+struct Errors {
+    double rms_world = 0, greatest_world = 0;
+    double rms_degrees = 0, rms_face_degrees = 0; // interpolated from vertices; of faces
+};
+
+double degrees_between(const Vec3d& a, const Vec3d& b) {
+    return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / pi;
 }
 
-constexpr int size = 1024; // of pictures of specimens [pixels]
-
-/// Milliseconds of a frame's passes, by the names that begin so; median.
-double milliseconds(Renderer& renderer, const Camera& camera, const std::string& name,
-                    int repeats) {
-    std::vector<double> sums;
-    for (int turn = 0; turn <= repeats; ++turn) {
-        const FrameReport report = renderer.draw(camera, size, size, {FrameImage::Beauty});
-        double sum = 0;
-        for (const PassReport& pass : report.passes)
-            if (pass.ran && pass.name.starts_with(name)) sum += pass.milliseconds;
-        if (turn > 0) sums.push_back(sum); // the first one warms up
+struct Off {
+    double world = 0, degrees = 0, face_degrees = 0;
+};
+template<class At>
+Errors errors_of(const Shape& shape, const At& at) {
+    const std::size_t count = shape.mesh.vertices_world.size();
+    std::vector<Off> off(count);
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) { off[i] = at(i); });
+    Errors sum;
+    for (const Off& one : off) {
+        sum.rms_world += one.world * one.world;
+        sum.greatest_world = std::max(sum.greatest_world, one.world);
+        sum.rms_degrees += one.degrees * one.degrees;
+        sum.rms_face_degrees += one.face_degrees * one.face_degrees;
     }
-    return median(sums);
+    for (double* of : {&sum.rms_world, &sum.rms_degrees, &sum.rms_face_degrees})
+        *of = std::sqrt(*of / static_cast<double>(count));
+    return sum;
 }
 
-/// Side by side in a square of `columns`^2, as large as their places.
-template<class Put>
-void put_in_rows(int columns, Put put) {
-    for (int y = 0; y < columns; ++y)
-        for (int x = 0; x < columns; ++x)
-            put(Vec3d((x + 0.5) / columns - 0.5, (y + 0.5) / columns - 0.5, 0), 0.5 / columns,
-                x + columns * y);
+/// Of the blend of patches within two errors, as pictures have it; by f / |grad f|.
+Errors errors_of(const Shape& shape, const SlimLevel& level) {
+    std::vector<SlimQuadric> quadrics;
+    for (const SlimPatch& patch : level.patches) quadrics.push_back(slim_quadric(patch));
+    return errors_of(shape, [&](std::size_t v) {
+        double off = 0;
+        double weight = 0;
+        Vec3d normal = Vec3d::Zero();
+        for (std::size_t i = 0; i < quadrics.size(); ++i) {
+            const SlimPatch& patch = level.patches[i];
+            const Vec3d p = shape.mesh.vertices_world[v] - patch.centre_world;
+            if (p.squaredNorm() >= patch.radius_world * patch.radius_world) continue;
+            const SlimQuadric& f = quadrics[i];
+            const Vec3d gradient = 2 * (f.a * p + f.b);
+            const double distance = (p.dot(f.a * p + 2 * f.b) + f.c) / gradient.norm();
+            if (std::abs(distance) > 2 * level.max_error_world || !is_kept(patch, p) ||
+                gradient.dot(shape.normals[v]) < 0)
+                continue;
+            const double w = slim_weight(p.norm() / patch.radius_world);
+            off += w * distance;
+            normal += w * gradient.normalized();
+            weight += w;
+        }
+        if (weight == 0) return Off{};
+        return Off{std::abs(off / weight), degrees_between(normal, shape.normals[v]), 0};
+    });
 }
 
-void run_fragments(Renderer& renderer, int repeats) {
-    fmt::print("fragments: nanoseconds each, of those in the rectangles\n{:<30} {:>7} {:>10} "
-               "{:>10} {:>8}\n",
-               "", "count", "rasterised", "hit", "ns");
-    const Camera camera{.eye_world = {0, 0, 3},
-                        .target_world = Vec3d::Zero(),
-                        .fov_y_degrees = 2 * std::atan(0.5 / 3) * 180 / std::acos(-1.0)};
-    for (const int columns : {5, 50}) {
-        Primitives spheres;
-        Primitives pieces{.slims = {{.levels = {{{}, 1e-3}}, .is_closed = true}}};
-        Primitives open{.slims = {{.levels = {{{}, 1e-3}}}}};
-        put_in_rows(columns, [&](const Vec3d& centre, double radius, int i) {
-            spheres.spheres.push_back({.centre_world = centre, .radius_world = radius});
-            const double turn = 2.4 * i;
-            const SlimPatch patch{
-                .centre_world = centre,
-                .radius_world = radius,
-                .normal = Vec3d(0.3 * std::cos(turn), 0.3 * std::sin(turn), 1).normalized(),
-                .height = {0, 0, 0, -0.3 / radius, 0.1 / radius, -0.2 / radius}};
-            pieces.slims[0].levels[0].patches.push_back(patch);
-            open.slims[0].levels[0].patches.push_back(patch);
-        });
-        for (const auto& [name, primitives, passes] :
-             {std::tuple{"spheres", spheres, "splat surfaces"},
-              {"SLIM, facing: visibility", pieces, "slim nearest"},
-              {"SLIM, facing: blend", pieces, "slim hits"},
-              {"SLIM, both sides: visibility", open, "slim nearest"},
-              {"SLIM, both sides: blend", open, "slim hits"}}) {
-            renderer.load({.primitives = std::make_shared<Primitives>(primitives)});
-            renderer.set_study({.counts_fragments = true});
-            const SplatFragments fragments =
-                renderer.draw(camera, size, size, {FrameImage::Hit}).splat_fragments.value();
-            renderer.set_study({});
-            const double ms = milliseconds(renderer, camera, passes, repeats);
-            fmt::print("{:<30} {:>7} {:>10} {:>10} {:>8.1f}\n", name, primitives.count(),
-                       fragments.rasterised, fragments.hit,
-                       1e6 * ms / double(fragments.rasterised));
+Vec3d vec(const Kernel::Point_3& p) {
+    return {p.x(), p.y(), p.z()};
+}
+
+Errors errors_of(const Shape& shape, const Surface& mesh) {
+    std::vector<Vec3d> face_normals(mesh.num_faces());
+    std::vector<Vec3d> vertex_normals(mesh.num_vertices(), Vec3d::Zero());
+    std::vector<std::array<std::size_t, 3>> corners(mesh.num_faces());
+    for (const auto face : mesh.faces()) {
+        std::size_t k = 0;
+        for (const auto v : mesh.vertices_around_face(mesh.halfedge(face)))
+            corners[face][k++] = static_cast<std::size_t>(v);
+        const auto at = [&](std::size_t corner) {
+            return vec(mesh.point(
+                Surface::Vertex_index(static_cast<Surface::size_type>(corners[face][corner % 3]))));
+        };
+        const Vec3d n = (at(1) - at(0)).cross(at(2) - at(0));
+        face_normals[face] = n;
+        for (k = 0; k < 3; ++k) {
+            const Vec3d a = at(k + 1) - at(k);
+            const Vec3d b = at(k + 2) - at(k);
+            vertex_normals[corners[face][k]] +=
+                std::atan2(a.cross(b).norm(), a.dot(b)) * n.normalized();
+        }
+    }
+    for (Vec3d& n : vertex_normals) n.normalize();
+    Tree tree(faces(mesh).begin(), faces(mesh).end(), mesh);
+    tree.accelerate_distance_queries();
+    return errors_of(shape, [&](std::size_t v) {
+        const Vec3d& p = shape.mesh.vertices_world[v];
+        const auto [closest, face] = tree.closest_point_and_primitive({p.x(), p.y(), p.z()});
+        const Vec3d q = vec(closest);
+        Vec3d interpolated = Vec3d::Zero();
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto at = [&](std::size_t corner) {
+                return vec(mesh.point(Surface::Vertex_index(
+                    static_cast<Surface::size_type>(corners[face][(k + corner) % 3]))));
+            };
+            const double share = (at(1) - q).cross(at(2) - q).dot(face_normals[face]);
+            interpolated += share * vertex_normals[corners[face][k]];
+        }
+        return Off{(p - q).norm(), degrees_between(interpolated, shape.normals[v]),
+                   degrees_between(face_normals[face], shape.normals[v])};
+    });
+}
+
+struct Simplified {
+    double triangles = 0;
+    Errors errors;
+};
+/// Edges collapsed by Lindstrom and Turk's cost and placement, on and on.
+std::vector<Simplified> simplified(const Shape& shape) {
+    Surface mesh;
+    for (const Vec3d& p : shape.mesh.vertices_world) mesh.add_vertex({p.x(), p.y(), p.z()});
+    std::size_t lost = 0;
+    for (const auto& [a, b, c] : shape.mesh.triangles) {
+        const auto vertex = [](int i) {
+            return Surface::Vertex_index(static_cast<Surface::size_type>(i));
+        };
+        lost += mesh.add_face(vertex(a), vertex(b), vertex(c)) == Surface::null_face() ? 1 : 0;
+    }
+    if (lost > 0) fmt::print("  {} triangles are not manifold\n", lost);
+    namespace sms = CGAL::Surface_mesh_simplification;
+    std::vector<Simplified> all;
+    for (double share = 0.71; mesh.num_faces() > 150; share *= 0.71) {
+        const auto edges = static_cast<std::size_t>(
+            1.5 * share * static_cast<double>(shape.mesh.triangles.size()));
+        sms::edge_collapse(mesh, sms::Count_stop_predicate<Surface>(edges),
+                           CGAL::parameters::get_cost(sms::LindstromTurk_cost<Surface>())
+                               .get_placement(sms::LindstromTurk_placement<Surface>()));
+        mesh.collect_garbage();
+        all.push_back({static_cast<double>(mesh.num_faces()), errors_of(shape, mesh)});
+        if (static_cast<double>(mesh.num_edges()) > 1.1 * static_cast<double>(edges)) break;
+    }
+    return all;
+}
+
+/// Between the two with errors on either side, by powers; nothing beyond all.
+template<class Error>
+std::optional<Simplified> at_error(const std::vector<Simplified>& all, double error_world,
+                                   const Error& error) {
+    for (std::size_t i = 1; i < all.size(); ++i) {
+        const double a = error(all[i - 1].errors);
+        const double b = error(all[i].errors);
+        if (!(a <= error_world && error_world < b)) continue;
+        const double s = std::log(error_world / a) / std::log(b / a);
+        const auto between = [&](double from, double to) { return from * std::pow(to / from, s); };
+        Simplified out{between(all[i - 1].triangles, all[i].triangles), all[i].errors};
+        const Errors& one = all[i - 1].errors;
+        out.errors.rms_degrees = between(one.rms_degrees, out.errors.rms_degrees);
+        out.errors.rms_face_degrees = between(one.rms_face_degrees, out.errors.rms_face_degrees);
+        return out;
+    }
+    return std::nullopt;
+}
+
+void compare(const Shape& shape) {
+    fmt::print("{}: {} triangles; lengths by the box's diagonal, normals RMS in degrees\n",
+               shape.name, shape.mesh.triangles.size());
+    const std::vector<Simplified> meshes = simplified(shape);
+    for (const double share : {1e-3, 3e-4, 1e-4, 3e-5}) {
+        std::vector<SlimReport> reports;
+        const SlimSurface surface =
+            slim_of(shape.mesh, {.max_error_world = share * shape.diagonal_world, .max_levels = 1},
+                    reports);
+        const Errors slim = errors_of(shape, surface.levels.front());
+        const auto patches = static_cast<double>(surface.patch_count());
+        fmt::print("  SLIM for {:.0e}: {} patches, {:.1f} s; RMS {:.2g}, greatest {:.2g}, "
+                   "normals {:.3f}\n",
+                   share, patches, reports.front().seconds, slim.rms_world / shape.diagonal_world,
+                   slim.greatest_world / shape.diagonal_world, slim.rms_degrees);
+        for (const bool is_rms : {true, false}) {
+            const auto error = [&](const Errors& e) {
+                return is_rms ? e.rms_world : e.greatest_world;
+            };
+            const auto mesh = at_error(meshes, error(slim), error);
+            if (!mesh)
+                fmt::print("    no simplified mesh has its {}\n", is_rms ? "RMS" : "greatest");
+            else
+                fmt::print("    a mesh of its {}: {:.0f} triangles, {:.2f} a patch; normals {:.3f} "
+                           "interpolated, {:.3f} of faces\n",
+                           is_rms ? "RMS" : "greatest", mesh->triangles, mesh->triangles / patches,
+                           mesh->errors.rms_degrees, mesh->errors.rms_face_degrees);
         }
     }
 }
 
-double seconds_of(Renderer& renderer, int w, int h, int repeats) {
-    Camera camera = frame_box(renderer.surface_points_world(), {0.3, 0.4, 1}, double(w) / h, 30);
-    std::vector<double> seconds;
-    for (int frame = 0; frame <= repeats; ++frame) {
-        camera.eye_world.x() *= 1 + 1e-4;
-        const TimedFrame drawn = draw(renderer, camera, w, h);
-        if (frame > 0) seconds.push_back(drawn.seconds); // the first one warms up
-    }
-    return median(seconds);
+Shape finished(Shape shape) {
+    Eigen::AlignedBox3d box;
+    for (const Vec3d& p : shape.mesh.vertices_world) box.extend(p);
+    shape.diagonal_world = box.diagonal().norm();
+    return shape;
 }
 
-void run_frames(Renderer& renderer, const std::vector<std::string>& paths, int repeats) {
-    fmt::print("table 2: frames a second\n{:<24} {:>8} {:<8} {:>10} {:>10} {:>10}  "
-               "1e6 pieces a second at 2x2\n",
-               "model", "pieces", "culling", "1024x1280", "512x512", "2x2");
-    for (const std::string& path : paths) {
-        SlimSurface surface = read_slim(path);
-        const bool is_closed = surface.is_closed;
-        std::array<std::array<double, 2>, 2> seconds{};
-        for (const bool culls : {true, false}) {
-            if (culls && !is_closed) continue;
-            surface.is_closed = culls;
-            const std::size_t pieces = surface.levels.front().patches.size();
-            // One level alone: what is compared is drawn at any size.
-            SlimSurface finest = surface;
-            finest.levels.resize(1);
-            renderer.load({.primitives = std::make_shared<Primitives>(
-                               Primitives{.slims = {std::move(finest)}})});
-            const double large = seconds_of(renderer, 1280, 1024, repeats);
-            const double small = seconds_of(renderer, 512, 512, repeats);
-            const double tiny = seconds_of(renderer, 2, 2, repeats);
-            seconds[culls ? 0 : 1] = {large, small};
-            fmt::print("{:<24} {:>8} {:<8} {:>10.2f} {:>10.2f} {:>10.1f} {:>8.2f}\n",
-                       std::filesystem::path(path).stem().string(), pieces, culls ? "yes" : "no",
-                       1 / large, 1 / small, 1 / tiny, double(pieces) / tiny / 1e6);
+/// A grid that wraps around in i, and in j unless it has poles.
+Shape torus() {
+    Shape shape{.name = "torus"};
+    const int n = 400;
+    const int m = 140;
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < m; ++j) {
+            const double a = 2 * pi * i / n;
+            const double b = 2 * pi * (j + 0.5 * (i % 2)) / m;
+            const Vec3d out(std::cos(a), std::sin(a), 0);
+            shape.normals.push_back(std::cos(b) * out + std::sin(b) * Vec3d::UnitZ());
+            shape.mesh.vertices_world.push_back(out + 0.4 * shape.normals.back());
+            const auto at = [&](int x, int y) { return (x % n) * m + (y + m) % m; };
+            const int skew = i % 2;
+            shape.mesh.triangles.push_back({at(i, j), at(i + 1, j + skew), at(i, j + 1)});
+            shape.mesh.triangles.push_back(
+                {at(i, j + 1), at(i + 1, j + skew), at(i + 1, j + 1 + skew)});
         }
-        if (is_closed)
-            fmt::print("{:<24} culling makes frames {:.2f} and {:.2f} times as fast\n", "",
-                       seconds[1][0] / seconds[0][0], seconds[1][1] / seconds[0][1]);
+    return finished(std::move(shape));
+}
+
+Shape sphere() { // an octahedron's faces in 112^2 triangles
+    Shape shape{.name = "sphere"};
+    const int n = 112;
+    std::map<std::array<int, 3>, int> numbers;
+    const auto vertex = [&](int x, int y, int z) {
+        const auto [at, is_new] =
+            numbers.try_emplace({x, y, z}, static_cast<int>(shape.normals.size()));
+        if (is_new) {
+            shape.normals.push_back(Vec3d(x, y, z).normalized());
+            shape.mesh.vertices_world.push_back(shape.normals.back());
+        }
+        return at->second;
+    };
+    for (int face = 0; face < 8; ++face) {
+        const int sx = face & 1 ? -1 : 1;
+        const int sy = face & 2 ? -1 : 1;
+        const int sz = face & 4 ? -1 : 1;
+        const auto at = [&](int x, int y) { return vertex(sx * x, sy * y, sz * (n - x - y)); };
+        const auto add = [&](int a, int b, int c) {
+            if (sx * sy * sz < 0) std::swap(b, c);
+            shape.mesh.triangles.push_back({a, b, c});
+        };
+        for (int x = 0; x < n; ++x)
+            for (int y = 0; x + y < n; ++y) {
+                add(at(x, y), at(x + 1, y), at(x, y + 1));
+                if (x + y + 1 < n) add(at(x + 1, y), at(x + 1, y + 1), at(x, y + 1));
+            }
     }
+    return finished(std::move(shape));
+}
+
+/// Normals by the angles of the faces at each vertex.
+Shape scan(const std::string& path) {
+    const CheckedMesh read = check(read_mesh(path));
+    Shape shape{
+        .name = path,
+        .mesh = {.vertices_world = read.mesh.vertices_world, .triangles = read.mesh.triangles}};
+    shape.normals.assign(shape.mesh.vertices_world.size(), Vec3d::Zero());
+    for (const auto& triangle : shape.mesh.triangles)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto at = [&](std::size_t corner) -> const Vec3d& {
+                return shape.mesh
+                    .vertices_world[static_cast<std::size_t>(triangle[(k + corner) % 3])];
+            };
+            const Vec3d a = at(1) - at(0);
+            const Vec3d b = at(2) - at(0);
+            const Vec3d n = a.cross(b);
+            shape.normals[static_cast<std::size_t>(triangle[k])] +=
+                std::atan2(n.norm(), a.dot(b)) * n.normalized();
+        }
+    for (Vec3d& n : shape.normals) n.normalize();
+    return finished(std::move(shape));
 }
 
 } // namespace
 
-int main(int argc, char** argv) try {
-    CLI::App app("What SLIM surfaces cost");
-    int repeats = 5;
-    std::vector<std::string> paths;
-    app.add_option("SLIM", paths, "Files: isocast convert MESH -o FILE.slim");
-    app.add_option("--repeats", repeats);
-    CLI11_PARSE(app, argc, argv);
-    const auto context = gl::make_context({.backend = gl::Backend::Osmesa});
-    Renderer renderer(*context, std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders");
-    run_fragments(renderer, repeats);
-    run_frames(renderer, paths, repeats);
-    return 0;
-} catch (const std::exception& error) {
-    fmt::print(stderr, "bench_slim: {}\n", error.what());
-    return 1;
+int main(int argc, char** argv) {
+    compare(sphere());
+    compare(torus());
+    for (int i = 1; i < argc; ++i) compare(scan(argv[i]));
 }

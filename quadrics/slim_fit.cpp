@@ -19,6 +19,10 @@ constexpr double leaf_share = 0.7;
 constexpr double between_weight = 0.1;
 /// Twice as many as a patch has coefficients leave nothing open.
 constexpr std::size_t enough_samples = 12;
+/// Rounds of Lawson's weights, and from where these are not worth it: the greatest height of a fit
+/// by least squares is seldom twice that of the best fit.
+constexpr int rounds = 4;
+constexpr double hopeless = 2;
 /// Faces that turn more from a patch's normal are no graph over its plane that would do: heights
 /// are then three times the distance.
 constexpr double least_cosine = 1.0 / 3;
@@ -52,6 +56,14 @@ double distance(const Eigen::Vector2d& p, const std::array<Eigen::Vector2d, 3>& 
         least = std::min(least, (from - share * side).norm());
     }
     return is_inside ? 0 : least;
+}
+
+/// Of a point from the patch's centre.
+double height_over(const SlimPatch& patch, const Mat3d& axes, const Vec3d& p) {
+    const Vec3d q = axes.transpose() * p;
+    const auto& h = patch.height;
+    return q.z() -
+           (h[0] + q.x() * (h[1] + q.x() * h[3] + q.y() * h[4]) + q.y() * (h[2] + q.y() * h[5]));
 }
 
 } // namespace
@@ -190,12 +202,7 @@ SlimPatch SlimFitter::fitted(const Vec3d& centre_world, double radius_world) con
 
 double SlimFitter::residual(const SlimPatch& patch) const {
     const Mat3d axes = slim_axes(patch.normal);
-    const auto& h = patch.height;
-    const auto off = [&](const Vec3d& p) {
-        const Vec3d q = axes.transpose() * p;
-        return q.z() - (h[0] + q.x() * (h[1] + q.x() * h[3] + q.y() * h[4]) +
-                        q.y() * (h[2] + q.y() * h[5]));
-    };
+    const auto off = [&](const Vec3d& p) { return height_over(patch, axes, p); };
     double greatest = 0;
     for (const Sample& sample : samples_) greatest = std::max(greatest, std::abs(off(sample.p)));
     for (const Leaf& leaf : leaves_)
@@ -204,6 +211,28 @@ double SlimFitter::residual(const SlimPatch& patch) const {
                 if (p.squaredNorm() < patch.radius_world * patch.radius_world)
                     greatest = std::max(greatest, std::abs(off(p)) - leaf.spare_world);
     return greatest;
+}
+
+void SlimFitter::even_out(SlimPiece& piece, double bound_world) {
+    if (samples_.size() < enough_samples || piece.residual_world > hopeless * bound_world) return;
+    SlimPatch patch = piece.patch;
+    for (int round = 0; round < rounds && piece.residual_world > bound_world; ++round) {
+        double sum = 0;
+        for (const Sample& sample : samples_) sum += sample.weight;
+        const Mat3d axes = slim_axes(patch.normal);
+        double next = 0;
+        for (Sample& sample : samples_) {
+            sample.weight *= std::abs(height_over(patch, axes, sample.p)) / bound_world;
+            next += sample.weight;
+        }
+        for (Sample& sample : samples_) sample.weight *= sum / next;
+        patch = fitted(patch.centre_world, patch.radius_world);
+        const double greatest = residual(patch);
+        if (greatest < piece.residual_world) {
+            piece.patch = patch;
+            piece.residual_world = greatest;
+        }
+    }
 }
 
 int SlimFitter::group_ends() {
@@ -367,8 +396,9 @@ std::optional<SlimPiece> SlimFitter::fit_collected(const Vec3d& centre_world, do
     if (!is_graph(piece.patch.normal, least_cosine)) return std::nullopt;
     piece.residual_world = residual(piece.patch);
     const double spare = spare_of(radius_world, max_error_world);
-    if (!(piece.residual_world <= (ends_.empty() ? spare : max_error_world / 2)))
-        return std::nullopt;
+    const double bound = ends_.empty() ? spare : max_error_world / 2;
+    even_out(piece, bound);
+    if (!(piece.residual_world <= bound)) return std::nullopt;
     if (!ends_.empty() && spare < max_error_world) return std::nullopt; // it might not meet others
     if (!ends_.empty() &&
         !(clip(piece.patch, max_error_world) && ends_with_part(piece.patch, max_error_world)))

@@ -73,6 +73,11 @@ private:
     /// Heights by least squares; as they come without enough leaves.
     SlimPatch fitted(const Vec3d& centre_world, double radius_world) const;
     double residual(const SlimPatch& patch) const;
+    /// Towards the fit with the least greatest height, until that keeps the bound: samples count by
+    /// how far they are off, again and again.
+    ///
+    /// source  Lawson, Contributions to the theory of linear least maximum approximation, 1961
+    void even_out(SlimPiece& piece, double bound_world);
     int group_ends();
     bool clip(SlimPatch& patch, double max_error_world);
     bool ends_with_part(const SlimPatch& patch, double max_error_world) const;

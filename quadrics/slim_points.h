@@ -31,8 +31,8 @@ struct SlimPoints {
 /// throws           InputError if there are fewer than 12 points; Interrupted by `progress`
 /// source           Ohtake, Belyaev, Alexa 2005, as Stoll et al. 2006 section 5.1.1 describes it;
 ///                  least squares weighted by the square of the spacing alone: a weight that falls
-///                  towards the sphere leaves points there off, and a third of the horse's patches
-///                  more are needed
+///                  towards the sphere leaves points there off, and half as many patches again as
+///                  the horse's are needed
 SlimSurface slim_of_points(const SlimPoints& points, double max_error_world,
                            std::vector<SlimReport>& reports, const Progress& progress = {});
 

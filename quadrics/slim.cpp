@@ -51,17 +51,6 @@ std::size_t SlimSurface::patch_count() const {
     return count;
 }
 
-Eigen::AlignedBox3d box_of(const SlimSurface& surface) {
-    Eigen::AlignedBox3d box;
-    if (surface.levels.empty()) return box;
-    for (const SlimPatch& patch : surface.levels.front().patches) {
-        const Vec3d reach = Vec3d::Constant(patch.radius_world);
-        box.extend(patch.centre_world - reach);
-        box.extend(patch.centre_world + reach);
-    }
-    return box;
-}
-
 namespace {
 
 void check(const SlimLevel& level, std::size_t number) {

@@ -5,8 +5,6 @@
 
 #include "volume/grid_space.h"
 
-#include <Eigen/Geometry>
-
 #include <array>
 #include <optional>
 #include <vector>
@@ -76,9 +74,6 @@ struct SlimSurface {
 
     std::size_t patch_count() const; // of all levels
 };
-
-/// Around all spheres of the finest level; empty if there is none.
-Eigen::AlignedBox3d box_of(const SlimSurface& surface);
 
 /// throws  InputError that names the level, the patch and what is wrong: no level, errors that do
 ///         not grow, a number that is not finite, a radius or an error that is not positive, a

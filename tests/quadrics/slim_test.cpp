@@ -176,25 +176,6 @@ TEST_F(SlimFile, OtherVersionsAreRefusedByNumber) {
     }
 }
 
-TEST(Slim, BoxHoldsTheSpheresOfTheFinestLevel) {
-    Random random(9);
-    SlimSurface surface{.levels = {{}, {}}};
-    for (int i = 0; i < 5; ++i) surface.levels[0].patches.push_back(random_patch(random));
-    surface.levels[1].patches.push_back(random_patch(random));
-    EXPECT_EQ(surface.patch_count(), 6U);
-    for (int axis = 0; axis < 3; ++axis) {
-        double low = 1e9;
-        double high = -1e9;
-        for (const SlimPatch& patch : surface.levels[0].patches) {
-            low = std::min(low, patch.centre_world[axis] - patch.radius_world);
-            high = std::max(high, patch.centre_world[axis] + patch.radius_world);
-        }
-        EXPECT_EQ(box_of(surface).min()[axis], low);
-        EXPECT_EQ(box_of(surface).max()[axis], high);
-    }
-    EXPECT_TRUE(box_of(SlimSurface{}).isEmpty());
-}
-
 TEST_F(SlimFile, WrongPatchesAreRefusedByName) {
     const auto message = [&](const std::function<void(SlimSurface&)>& change) {
         written();

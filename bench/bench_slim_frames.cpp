@@ -1,8 +1,10 @@
 // SLIM surfaces: fragments beside spheres', and frames with and without back-face culling (tables 1
 // and 2 of Stoll et al. 2006).
 // SPDX-License-Identifier: MPL-2.0
+#include "distance_transform/checked_mesh.h"
+#include "distance_transform/mesh_files.h"
 #include "quadrics/quadrics_bench.h"
-#include "quadrics/slim_file.h"
+#include "quadrics/slim_cover.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -96,34 +98,42 @@ double seconds_of(Renderer& renderer, int w, int h, int repeats) {
     return median(seconds);
 }
 
-void run_frames(Renderer& renderer, const std::vector<std::string>& paths, int repeats) {
-    fmt::print("table 2: frames a second\n{:<24} {:>8} {:<8} {:>10} {:>10} {:>10}  "
-               "1e6 pieces a second at 2x2\n",
-               "model", "pieces", "culling", "1024x1280", "512x512", "2x2");
+/// Of a mesh, the finest level alone: what is compared is drawn at any size.
+SlimSurface surface_of(const std::string& path, double max_error_share) {
+    const CheckedMesh checked = check(read_mesh(path));
+    const TriangleMesh mesh{.vertices_world = checked.mesh.vertices_world,
+                            .triangles = checked.mesh.triangles};
+    Eigen::AlignedBox3d box;
+    for (const Vec3d& vertex : mesh.vertices_world) box.extend(vertex);
+    std::vector<SlimReport> reports;
+    return slim_of(
+        mesh, {.max_error_world = max_error_share * box.diagonal().norm(), .max_levels = 1}, reports);
+}
+
+void run_frames(Renderer& renderer, const std::vector<std::string>& paths, double max_error_share,
+                int repeats) {
+    fmt::print("table 2, at an error of {} of the diagonal: frames a second at 1280x1024, culling "
+               "and not, at 512x512, culling and not; 1e6 pieces a second at 2x2\n",
+               max_error_share);
     for (const std::string& path : paths) {
-        SlimSurface surface = read_slim(path);
-        const bool is_closed = surface.is_closed;
-        std::array<std::array<double, 2>, 2> seconds{};
+        SlimSurface surface = surface_of(path, max_error_share);
+        const std::size_t pieces = surface.patch_count();
+        if (!surface.is_closed)
+            throw std::runtime_error(path + ": open, so that nothing is culled");
+        double large[2], small[2], tiny[2];
         for (const bool culls : {true, false}) {
-            if (culls && !is_closed) continue;
             surface.is_closed = culls;
-            const std::size_t pieces = surface.levels.front().patches.size();
-            // One level alone: what is compared is drawn at any size.
-            SlimSurface finest = surface;
-            finest.levels.resize(1);
-            renderer.load({.primitives = std::make_shared<Primitives>(
-                               Primitives{.slims = {std::move(finest)}})});
-            const double large = seconds_of(renderer, 1280, 1024, repeats);
-            const double small = seconds_of(renderer, 512, 512, repeats);
-            const double tiny = seconds_of(renderer, 2, 2, repeats);
-            seconds[culls ? 0 : 1] = {large, small};
-            fmt::print("{:<24} {:>8} {:<8} {:>10.2f} {:>10.2f} {:>10.1f} {:>8.2f}\n",
-                       std::filesystem::path(path).stem().string(), pieces, culls ? "yes" : "no",
-                       1 / large, 1 / small, 1 / tiny, double(pieces) / tiny / 1e6);
+            renderer.load(
+                {.primitives = std::make_shared<Primitives>(Primitives{.slims = {surface}})});
+            large[culls] = seconds_of(renderer, 1280, 1024, repeats);
+            small[culls] = seconds_of(renderer, 512, 512, repeats);
+            tiny[culls] = seconds_of(renderer, 2, 2, repeats);
         }
-        if (is_closed)
-            fmt::print("{:<24} culling makes frames {:.2f} and {:.2f} times as fast\n", "",
-                       seconds[1][0] / seconds[0][0], seconds[1][1] / seconds[0][1]);
+        fmt::print("{} {} {:.2f} {:.2f} {:.2f} {:.2f} {:.2f}\n  culling: {:.2f} and {:.2f} times as "
+                   "fast\n",
+                   std::filesystem::path(path).stem().string(), pieces, 1 / large[1], 1 / large[0],
+                   1 / small[1], 1 / small[0], double(pieces) / tiny[0] / 1e6, large[0] / large[1],
+                   small[0] / small[1]);
     }
 }
 
@@ -133,13 +143,15 @@ int main(int argc, char** argv) try {
     CLI::App app("What SLIM surfaces cost");
     int repeats = 5;
     std::vector<std::string> paths;
-    app.add_option("SLIM", paths, "Files: isocast convert MESH -o FILE.slim");
+    double max_error_share = 1e-3;
+    app.add_option("MESH", paths, "Closed meshes");
+    app.add_option("--max-error", max_error_share, "Of the box's diagonal");
     app.add_option("--repeats", repeats);
     CLI11_PARSE(app, argc, argv);
     const auto context = gl::make_context({.backend = gl::Backend::Osmesa});
     Renderer renderer(*context, std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders");
     run_fragments(renderer, repeats);
-    run_frames(renderer, paths, repeats);
+    run_frames(renderer, paths, max_error_share, repeats);
     return 0;
 } catch (const std::exception& error) {
     fmt::print(stderr, "bench_slim_frames: {}\n", error.what());

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "quadrics/quadratic_spline.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <unordered_map>
 
@@ -67,6 +69,13 @@ public:
         return out;
     }
 
+    /// Of a place by half indices: each has its own.
+    std::int64_t key(const Index3& halves) const {
+        const Index3 n = (2 * box_.size().array() + 1).matrix();
+        const Index3 at = halves - 2 * box_.lo;
+        return at.x() + std::int64_t{n.x()} * (at.y() + std::int64_t{n.y()} * at.z());
+    }
+
     bool is_at_border(const Index3& cell) const {
         return (cell.array() == box_.lo.array()).any() ||
                (cell.array() + 2 == box_.hi.array()).any();
@@ -95,15 +104,28 @@ private:
     std::vector<float> values_;
 };
 
-/// Collects the tetrahedra of cells.
-class Spline {
+/// Collects the tetrahedra of a layer of cells, whose vertices are numbered as they come up.
+class Layer {
 public:
-    Spline(const FieldSource& field, const Samples& samples, double iso)
-        : space_(field.space()), samples_(samples), iso_(iso) {}
+    struct Piece {
+        std::array<int, 4> corners;
+        std::array<float, 10> coefficients;
+    };
+
+    Layer(const Samples& samples, double iso) : samples_(samples), iso_(iso) {}
+
+    void add_cells(int z) {
+        const IndexBox& box = samples_.box();
+        for (int y = box.lo.y(); y + 1 < box.hi.y(); ++y)
+            for (int x = box.lo.x(); x + 1 < box.hi.x(); ++x) add_cell({x, y, z});
+    }
+    const std::vector<Index3>& vertices() const { return vertices_; } // by half indices
+    const std::vector<Piece>& pieces() const { return pieces_; }
 
     /// The surface does not reach the cells at the border, and these are outside it.
     bool is_closed() const { return is_closed_; }
 
+private:
     void add_cell(const Index3& cell) {
         const bool is_at_border = samples_.is_at_border(cell);
         if (!samples_.may_cross(cell, iso_)) {
@@ -132,9 +154,6 @@ public:
                         is_closed_ = false;
             }
     }
-    TetrahedralMesh take() { return std::move(mesh_); }
-
-private:
     /// returns  the least coefficient: the function is no less
     float add_tetrahedron(const Index3& middle, const std::array<Index3, 4>& offsets,
                           const std::array<Tangent, 27>& tangents) {
@@ -157,27 +176,60 @@ private:
         if (least > 0 || greatest < 0) return least; // its corners need no number
         std::array<int, 4> corners{};
         for (std::size_t k = 0; k < 4; ++k) corners[k] = vertex(middle + offsets[k]);
-        append(mesh_, corners, coefficients);
+        pieces_.push_back({corners, coefficients});
         return least;
     }
 
     int vertex(const Index3& halves) {
-        const Index3 n = (2 * samples_.box().size().array() + 1).matrix();
-        const Index3 at = halves - 2 * samples_.box().lo;
-        const std::int64_t key =
-            at.x() + std::int64_t{n.x()} * (at.y() + std::int64_t{n.y()} * at.z());
         const auto [place, is_new] =
-            numbers_.try_emplace(key, static_cast<int>(mesh_.vertices_world.size()));
-        if (is_new) mesh_.vertices_world.push_back(space_.to_world(halves.cast<double>() / 2));
+            numbers_.try_emplace(samples_.key(halves), static_cast<int>(vertices_.size()));
+        if (is_new) vertices_.push_back(halves);
         return place->second;
     }
 
-    GridSpace space_;
     const Samples& samples_;
     double iso_;
     bool is_closed_ = true;
+    std::vector<Index3> vertices_;
+    std::vector<Piece> pieces_;
+    std::unordered_map<std::int64_t, int> numbers_; // of vertices, by their key
+};
+
+/// Joins layers from the lowest on: only the vertices between two layers are looked up.
+class Spline {
+public:
+    Spline(const GridSpace& space, const Samples& samples) : space_(space), samples_(samples) {
+        mesh_.is_closed = true;
+    }
+
+    void add(const Layer& layer, int z) {
+        std::vector<int> numbers; // in the mesh, of the layer's vertices
+        numbers.reserve(layer.vertices().size());
+        std::unordered_map<std::int64_t, int> above;
+        for (const Index3& halves : layer.vertices()) {
+            const auto known = below_.find(samples_.key(halves));
+            const bool is_new = known == below_.end();
+            numbers.push_back(is_new ? static_cast<int>(mesh_.vertices_world.size())
+                                     : known->second);
+            if (is_new) mesh_.vertices_world.push_back(space_.to_world(halves.cast<double>() / 2));
+            if (halves.z() == 2 * z + 2) above.emplace(samples_.key(halves), numbers.back());
+        }
+        below_ = std::move(above);
+        for (const Layer::Piece& piece : layer.pieces()) {
+            std::array<int, 4> corners{};
+            std::ranges::transform(piece.corners, corners.begin(),
+                                   [&](int k) { return numbers[static_cast<std::size_t>(k)]; });
+            append(mesh_, corners, piece.coefficients);
+        }
+        mesh_.is_closed = mesh_.is_closed && layer.is_closed();
+    }
+    TetrahedralMesh take() { return std::move(mesh_); }
+
+private:
+    GridSpace space_;
+    const Samples& samples_;
     TetrahedralMesh mesh_;
-    std::unordered_map<std::int64_t, int> numbers_; // of vertices, by their place
+    std::unordered_map<std::int64_t, int> below_; // numbers of the last layer's upper vertices
 };
 
 } // namespace
@@ -185,16 +237,21 @@ private:
 TetrahedralMesh quadratic_spline(const FieldSource& field, double iso_world,
                                  const Progress& progress) {
     const Samples samples(field);
-    Spline spline(field, samples, iso_world);
-    const IndexBox& box = samples.box();
-    for (int z = box.lo.z(); z + 1 < box.hi.z(); ++z) {
-        if (progress) progress("spline", double(z - box.lo.z()) / box.size().z());
-        for (int y = box.lo.y(); y + 1 < box.hi.y(); ++y)
-            for (int x = box.lo.x(); x + 1 < box.hi.x(); ++x) spline.add_cell({x, y, z});
+    Spline spline(field.space(), samples);
+    const int first = samples.box().lo.z();
+    const int count = samples.box().size().z() - 1;
+    constexpr int batch = 16; // layers held beside the mesh
+    for (int done = 0; done < count; done += batch) {
+        if (progress) progress("spline", double(done) / count);
+        std::vector<Layer> layers(static_cast<std::size_t>(std::min(batch, count - done)),
+                                  Layer(samples, iso_world));
+        tbb::parallel_for(std::size_t{0}, layers.size(), [&](std::size_t i) {
+            layers[i].add_cells(first + done + static_cast<int>(i));
+        });
+        for (std::size_t i = 0; i < layers.size(); ++i)
+            spline.add(layers[i], first + done + static_cast<int>(i));
     }
-    TetrahedralMesh mesh = spline.take();
-    mesh.is_closed = spline.is_closed();
-    return mesh;
+    return spline.take();
 }
 
 } // namespace isocast

@@ -106,8 +106,9 @@ SlimSurface surface_of(const std::string& path, double max_error_share) {
     Eigen::AlignedBox3d box;
     for (const Vec3d& vertex : mesh.vertices_world) box.extend(vertex);
     std::vector<SlimReport> reports;
-    return slim_of(
-        mesh, {.max_error_world = max_error_share * box.diagonal().norm(), .max_levels = 1}, reports);
+    return slim_of(mesh,
+                   {.max_error_world = max_error_share * box.diagonal().norm(), .max_levels = 1},
+                   reports);
 }
 
 void run_frames(Renderer& renderer, const std::vector<std::string>& paths, double max_error_share,
@@ -129,11 +130,12 @@ void run_frames(Renderer& renderer, const std::vector<std::string>& paths, doubl
             small[culls] = seconds_of(renderer, 512, 512, repeats);
             tiny[culls] = seconds_of(renderer, 2, 2, repeats);
         }
-        fmt::print("{} {} {:.2f} {:.2f} {:.2f} {:.2f} {:.2f}\n  culling: {:.2f} and {:.2f} times as "
-                   "fast\n",
-                   std::filesystem::path(path).stem().string(), pieces, 1 / large[1], 1 / large[0],
-                   1 / small[1], 1 / small[0], double(pieces) / tiny[0] / 1e6, large[0] / large[1],
-                   small[0] / small[1]);
+        fmt::print(
+            "{} {} {:.2f} {:.2f} {:.2f} {:.2f} {:.2f}\n  culling: {:.2f} and {:.2f} times as "
+            "fast\n",
+            std::filesystem::path(path).stem().string(), pieces, 1 / large[1], 1 / large[0],
+            1 / small[1], 1 / small[0], double(pieces) / tiny[0] / 1e6, large[0] / large[1],
+            small[0] / small[1]);
     }
 }
 

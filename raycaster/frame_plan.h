@@ -17,10 +17,10 @@ enum class FrameImage {
     SplatSurface, // integers: number of its colour + 1, with bit 31 of the half at b of a stick, 0:
                   // none; its normal, view space, as shaders/common/octahedral.glsl
     SlimNearest,  // of SLIM surfaces: where the sheet that shows surely lies behind, by depth;
-                 // number of its colour + 1, 0: none
-    SlimHit,   // their blended hit: unit normal, view space; depth, 1e30 where there is none
-    Hit,       // first hit: eye-relative position [world], object
-    Steps,     // how often the ray's search looked at the field
+                  // number of its colour + 1, 0: none
+    SlimHit,      // their blended hit: unit normal, view space; depth, 1e30 where there is none
+    Hit,          // first hit: eye-relative position [world], object
+    Steps,        // how often the ray's search looked at the field
     Gradient,  // gradient of the field at the hit [1/world * world], world axes; of primitives the
                // unit normal, then how wide they are, by 16 pixels and 1 at most; 1 for fields
     Curvature, // principal curvatures k1 >= k2 [1/world], 0; 1, or 2 where the gradient vanishes,

@@ -3,6 +3,7 @@
 #include "../volume/temporary_folder.h"
 #include "apps/scene_objects.h"
 #include "quadrics/quadratic_spline.h"
+#include "quadrics/slim_file.h"
 #include "volume/analytic_fields.h"
 #include "volume/errors.h"
 
@@ -82,8 +83,27 @@ TEST_F(PatchScenes, TetrahedraAreThoseOfAFile) {
               (std::array<float, 10>{-0.5F, 0.5F, 1.5F, 2.5F, 0, 0.5F, 1, 1, 1.5F, 2}));
 }
 
+TEST_F(PatchScenes, SlimSurfacesAreThoseOfAFile) {
+    write_slim({.levels = {{{{.radius_world = 2}}, 0.1}}}, folder / "a.slim");
+    const Scene scene = compose("[[object]]\nslim = \"a.slim\"\nscale = 2\ntranslate = [1, 0, 0]\n"
+                                "colour = [0, 1, 0]\n");
+    EXPECT_TRUE(scene.objects.empty());
+    const SlimSurface& surface = scene.primitives->slims.at(0);
+    EXPECT_EQ(surface.colour, Vec3d(0, 1, 0));
+    EXPECT_DOUBLE_EQ(surface.levels.at(0).max_error_world, 0.2);
+    EXPECT_DOUBLE_EQ(surface.levels[0].patches.at(0).radius_world, 4);
+    EXPECT_EQ(surface.levels[0].patches[0].centre_world, Vec3d(1, 0, 0));
+}
+
 TEST_F(PatchScenes, ThatCannotBeAreRefused) {
     using testing::HasSubstr;
+    write_slim({.levels = {{{{}}, 0.1}}}, folder / "a.slim");
+    EXPECT_THAT(problem_of("[[object]]\nslim = \"a.slim\"\niso = 1\n"),
+                HasSubstr("for fields, which molecules, points and triangles are not"));
+    EXPECT_THAT(problem_of("[[object]]\nslim = \"a.slim\"\nas = \"spline\"\n"),
+                HasSubstr("splines are made of fields"));
+    EXPECT_THAT(problem_of("[[object]]\nslim = \"a.slim\"\nmesh = \"mesh:knot\"\n"),
+                HasSubstr("points, tetrahedra and slim is needed, not 2"));
     write("a.stl", "solid a\n");
     EXPECT_THAT(problem_of("[[object]]\nmesh = \"mesh:knot\"\nas = \"patches\"\n"),
                 HasSubstr("patches are read from .obj and .ply"));

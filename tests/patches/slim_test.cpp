@@ -4,6 +4,7 @@
 #include "../splats/splat_judge.h"
 #include "quadrics/slim_splats.h"
 #include "renderer_test_base.h"
+#include "volume/errors.h"
 
 #include <numbers>
 
@@ -403,6 +404,13 @@ TEST_F(Slims, RunTheirPassesWhereThereAreSomeAlone) {
     EXPECT_EQ(
         passes_of({.spheres = {{}}, .slims = {ball()}}, {FrameImage::Hit, FrameImage::Curvature}),
         (Names{"slim nearest", "slim hits", "splats", "raycast", "curvature"}));
+}
+
+TEST_F(Slims, AreNotLitWhereTheyAreDrawn) {
+    const auto primitives = std::make_shared<Primitives>(Primitives{.slims = {ball()}});
+    EXPECT_THROW(
+        renderer.load({.quality = {.splats = SplatShading::Direct}, .primitives = primitives}),
+        InputError);
 }
 
 TEST_F(Slims, ArePlacedAsTheyAre) {

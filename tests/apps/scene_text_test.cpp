@@ -63,7 +63,7 @@ struct SceneText : testing::Test {
     TemporaryFolder folder;
 
     SceneText() {
-        for (const char* name : {"a.vdb", "a.obj", "a.xyz", "a.csv", "a.vtk"})
+        for (const char* name : {"a.vdb", "a.obj", "a.xyz", "a.csv", "a.vtk", "a.slim"})
             write_text(folder / name, "");
         write_png({2, 1, {1, 1, 1, 1, 0, 0, 0, 1}}, folder / "map.png");
     }

@@ -344,8 +344,8 @@ Eigen::AlignedBox3f box_at(const PrimitiveTree& tree, int node) {
 int bodies_in(const PrimitiveTree& tree, int node, int& next_body) {
     const int look = tree.nodes[2 * std::size_t(node)].w();
     if (look < 0) {
-        const int count = ((-1 - look) >> 3) + 1;
-        const auto kind = static_cast<SplatKind>((-1 - look) & 7);
+        const int count = ((-1 - look) >> 4) + 1;
+        const auto kind = static_cast<SplatKind>((-1 - look) & 15);
         EXPECT_LE(count, most_in_leaf);
         EXPECT_EQ(tree.nodes[2 * std::size_t(node) + 1].w(), next_body) << "one after the other";
         next_body += count * body_floats(kind) / 4;

@@ -77,8 +77,9 @@ void main() {
     float number = v_splat[2].w;
 #elif KIND == 8
     SlimFragment piece = slim_fragment(v_splat, slope, start, kept.t_near);
-    // Behind all that the sheet's pieces may show, for shadows.
-    QuadricHit hit = QuadricHit(piece.t + 2.0 * piece.reach, piece.normal, vec3(0.0), false);
+    // Behind what the sheet's pieces may show, for shadows; of what light grazes no farther, since it is dark.
+    float behind = 2.0 * min(piece.reach, 2.0 * v_splat[3].w);
+    QuadricHit hit = QuadricHit(piece.t + behind, piece.normal, vec3(0.0), false);
     const float depth_inside = 0.0;
     float number = v_splat[2].w;
 #else

@@ -77,6 +77,10 @@ void check_object(const SceneFile& scene, std::size_t i, Problems& problems) {
         (object.csg || !object.points.empty() || object.glyphs || !object.tetrahedra.empty() ||
          !object.slim.empty() || (!object.molecule.empty() && !object.surface)))
         problems.add(key_of(i, "as"), "splines are made of fields");
+    if (object.as == As::Skin && (object.molecule.empty() || object.surface || object.glyphs))
+        problems.add(key_of(i, "as"), "only molecules have skins, in place of other surfaces");
+    if (object.skin_shrink && object.as != As::Skin)
+        problems.add(key_of(i, "shrink"), "for molecules that are drawn as their skin");
     if (object.crease_degrees && object.as != As::Triangles)
         problems.add(key_of(i, "crease"), "for meshes that are drawn as triangles");
     if (object.resolution && (object.mesh.empty() || keeps_faces))

@@ -44,10 +44,11 @@ struct SceneObject {
 
     std::string tetrahedra; // file of quadratic functions in tetrahedra
     std::string slim;       // file of a SLIM surface
-    /// Meshes as they are, not as fields; fields as quadrics in tetrahedra.
-    enum class As { Field, Triangles, Patches, Spline };
+    /// Meshes as they are, not as fields; fields and molecules' skins as quadrics in tetrahedra.
+    enum class As { Field, Triangles, Patches, Spline, Skin };
     As as = As::Field;
     std::optional<double> crease_degrees; // of triangles
+    std::optional<double> skin_shrink;    // 0.5
     std::optional<int> glyphs;            // so many of its curvature, instead of its surface
     int glyph_seed = 0;
     std::optional<double> glyph_size_world;

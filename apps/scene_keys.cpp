@@ -173,10 +173,15 @@ SceneTable object_table() {
              Names<As>{{"field", As::Field},
                        {"triangles", As::Triangles},
                        {"patches", As::Patches},
-                       {"spline", As::Spline}},
+                       {"spline", As::Spline},
+                       {"skin", As::Skin}},
              "What it is drawn as. Meshes: a field, their triangles, or (.obj, .ply) each face of "
              "four corners as a bilinear patch. Fields: cubic by their filter, or the quadrics of "
-             "a quadratic spline over tetrahedra"),
+             "a quadratic spline over tetrahedra. Molecules: their skin surface, of spheres and "
+             "hyperboloids (builds with ISOCAST_SKIN)"),
+         number("shrink", object(&SceneObject::skin_shrink), Range{0, 1, true, true},
+                "Skins: near 1 the atoms with short necks between them, near 0 their hull; 0.5 "
+                "unless said"),
          number("crease", object(&SceneObject::crease_degrees), Range{0, 180, false, false},
                 "Triangles: edges that bend by less are shaded as if smooth [degrees], 40 unless "
                 "said; 0: every face is flat"),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "apps/scene_objects.h"
 
+#include "apps/molecule_skin.h"
 #include "distance_transform/convert.h"
 #include "distance_transform/corner_normals.h"
 #include "distance_transform/mesh_files.h"
@@ -509,7 +510,7 @@ Scene SceneObjects::compose(const SceneFile& scene, const Progress& progress,
         const SceneObject& object = scene.objects[i];
         if (!object.is_shown) continue;
         if (object.glyphs) append(making.glyphs_of(i), {}, primitives->ellipsoids);
-        if (!object.molecule.empty() && !object.surface) {
+        if (!object.molecule.empty() && !object.surface && object.as != SceneObject::As::Skin) {
             MoleculeLook look = object.molecule_look;
             look.ends_sticks_in_balls = scene.cut == Cut{};
             const MoleculePrimitives drawn = primitives_of(*molecule_of(object), look);
@@ -547,13 +548,25 @@ Scene SceneObjects::compose(const SceneFile& scene, const Progress& progress,
                         quadratic_spline(*surface.field, surface.iso_world, progress)};
             add(primitives->tetrahedra, made.mesh);
         }
-        if (!object.tetrahedra.empty()) {
-            TetrahedralMesh mesh =
-                isosurface(tetrahedra_.at(object.tetrahedra), object.iso_world.value_or(0));
+        const auto add_placed = [&](TetrahedralMesh mesh) {
             const Eigen::Affine3d to_world = object.placement.to_world();
             for (Vec3d& vertex : mesh.vertices_world) vertex = to_world * vertex;
             add(primitives->tetrahedra, std::move(mesh));
+        };
+        if (object.as == SceneObject::As::Skin) {
+            const std::shared_ptr<const Molecule> molecule = molecule_of(object);
+            const double shrink = object.skin_shrink.value_or(0.5);
+            MadeSkin& made = skins_[i];
+            if (made.molecule != molecule || made.shrink != shrink)
+                made = {
+                    molecule, shrink,
+                    molecule_skin(
+                        primitives_of(*molecule, {.style = MoleculeStyle::SpaceFilling}).spheres,
+                        shrink)};
+            add_placed(made.mesh);
         }
+        if (!object.tetrahedra.empty())
+            add_placed(isosurface(tetrahedra_.at(object.tetrahedra), object.iso_world.value_or(0)));
         if (!object.slim.empty())
             add(primitives->slims, placed(slims_.at(object.slim), object.placement.to_world()));
     }

@@ -127,6 +127,12 @@ private:
         TetrahedralMesh mesh;
     };
     std::map<std::size_t, MadeSpline> splines_; // by object
+    struct MadeSkin {
+        std::shared_ptr<const Molecule> molecule;
+        double shrink = 0;
+        TetrahedralMesh mesh;
+    };
+    std::map<std::size_t, MadeSkin> skins_; // by object
     struct MadeSurface {
         std::shared_ptr<const Molecule> molecule;
         MolecularSurfaceOptions options;

@@ -100,6 +100,15 @@ TEST_F(PatchScenes, ThatCannotBeAreRefused) {
     write_slim({.levels = {{{{}}, 0.1}}}, folder / "a.slim");
     EXPECT_THAT(problem_of("[[object]]\nslim = \"a.slim\"\niso = 1\n"),
                 HasSubstr("for fields, which molecules, points and triangles are not"));
+    EXPECT_THAT(problem_of("[[object]]\nmesh = \"mesh:knot\"\nas = \"skin\"\n"),
+                HasSubstr("only molecules have skins"));
+    EXPECT_THAT(problem_of("[[object]]\nmesh = \"mesh:knot\"\nshrink = 0.4\n"),
+                HasSubstr("for molecules that are drawn as their skin"));
+#ifndef ISOCAST_WITH_SKIN
+    write("a.xyz", "1\n\nC 0 0 0\n");
+    EXPECT_THAT(problem_of("[[object]]\nmolecule = \"a.xyz\"\nas = \"skin\"\n"),
+                HasSubstr("-DISOCAST_SKIN=ON"));
+#endif
     EXPECT_THAT(problem_of("[[object]]\nslim = \"a.slim\"\nas = \"spline\"\n"),
                 HasSubstr("splines are made of fields"));
     EXPECT_THAT(problem_of("[[object]]\nslim = \"a.slim\"\nmesh = \"mesh:knot\"\n"),

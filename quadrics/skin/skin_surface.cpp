@@ -73,7 +73,22 @@ public:
         }
         append(mesh_, corners, coefficients);
     }
-    TetrahedralMesh take() { return std::move(mesh_); }
+    /// Without the vertices that no tetrahedron has, in their order.
+    TetrahedralMesh take() {
+        std::vector<int> numbers(mesh_.vertices_world.size(), -1);
+        for (const auto& corners : mesh_.tetrahedra)
+            for (const int corner : corners) numbers[static_cast<std::size_t>(corner)] = 0;
+        std::vector<Vec3d> kept;
+        for (std::size_t v = 0; v < numbers.size(); ++v) {
+            if (numbers[v] < 0) continue;
+            numbers[v] = static_cast<int>(kept.size());
+            kept.push_back(mesh_.vertices_world[v]);
+        }
+        for (auto& corners : mesh_.tetrahedra)
+            for (int& corner : corners) corner = numbers[static_cast<std::size_t>(corner)];
+        mesh_.vertices_world = std::move(kept);
+        return std::move(mesh_);
+    }
 
 private:
     using Edge = std::array<int, 2>;

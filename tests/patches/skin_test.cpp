@@ -81,6 +81,14 @@ TEST(Skin, HoldsItsBallsAndIsMetFromOutside) {
         }
 }
 
+// CGAL's complex reaches far beyond; pictures are framed by vertices.
+TEST(Skin, EndsNearItsBalls) {
+    Random random(5);
+    const TetrahedralMesh skin = skin_surface(some_balls(random, 12));
+    for (const Vec3d& vertex : skin.vertices_world) // 2 + 0.9, and an edge of 1.8
+        EXPECT_LT(vertex.cwiseAbs().maxCoeff(), 2.9 + 1.8);
+}
+
 TEST(Skin, IsRefusedWithoutBallsOrAShareOfThem) {
     EXPECT_THROW(skin_surface({}), InputError);
     for (const double shrink : {0.0, 1.0, -1.0, std::nan("")})

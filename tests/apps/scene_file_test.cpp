@@ -58,6 +58,7 @@ std::string example_of(const SceneTable& table, const SceneKey& key) {
     if (key.name == "points") return "\"a.csv\"";
     if (key.name == "molecule") return "\"a.xyz\"";
     if (key.name == "slim") return "\"a.slim\"";
+    if (key.name == "shrink") return "0.25";
     if (key.type == "text") return "\"1\"";
     if (key.type.starts_with("file")) return "\"map.png\"";
     if (key.type == "[lo, hi]") return "[-1, 2]";

@@ -137,6 +137,7 @@ double run_frames(Renderer& renderer, const std::vector<std::string>& paths, dou
             small[culls] = seconds_of(renderer, 512, 512, repeats);
             tiny[culls] = seconds_of(renderer, 2, 2, repeats);
         }
+        pieces_per_us = 1e-6 * double(pieces) / tiny[1];
         fmt::print(
             "{} {} {:.2f} {:.2f} {:.2f} {:.2f} {:.2f}\n  culling: {:.2f} and {:.2f} times as "
             "fast\n",
@@ -150,7 +151,7 @@ double run_frames(Renderer& renderer, const std::vector<std::string>& paths, dou
 
 int main(int argc, char** argv) try {
     CLI::App app("What SLIM surfaces cost");
-    int repeats = 5;
+    int repeats = 15;
     std::vector<std::string> paths;
     double max_error_share = 1e-3;
     app.add_option("MESH", paths, "Closed meshes");

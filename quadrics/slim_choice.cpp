@@ -3,6 +3,8 @@
 
 #include "volume/stopwatch.h"
 
+#include <Eigen/Dense>
+
 #include <algorithm>
 
 namespace isocast {
@@ -28,12 +30,26 @@ bool is_worth_it(const SlimLevel& level, const SlimLevel& finer, const SlimRepor
 
 } // namespace
 
-/// source  splitmix64's finaliser, Steele, Lea and Flood 2014
-std::uint64_t scrambled(std::uint64_t number) {
-    std::uint64_t x = (number + 1) * 0x9e3779b97f4a7c15;
-    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9;
-    x = (x ^ x >> 27) * 0x94d049bb133111eb;
-    return x ^ x >> 31;
+HeightFit::Vector6 HeightFit::basis_of(const Vec3d& q) {
+    Vector6 basis;
+    basis << 1, q.x(), q.y(), q.x() * q.x(), q.x() * q.y(), q.y() * q.y();
+    return basis;
+}
+
+void HeightFit::add(const Vec3d& q, double weight) {
+    const Vector6 basis = basis_of(q);
+    sum_.noalias() += weight * basis * basis.transpose();
+    right_ += weight * q.z() * basis;
+}
+
+HeightFit::Vector6 HeightFit::solved() const {
+    // 1e-12: what lies on a line or in a strip leaves some bends open, which then become 0.
+    return (sum_ + 1e-12 * sum_.trace() * Matrix6::Identity()).ldlt().solve(right_);
+}
+
+std::array<double, 6> HeightFit::height_of(const Vector6& h, double radius_world) {
+    const double r = radius_world;
+    return {h[0] * r, h[1], h[2], h[3] / r, h[4] / r, h[5] / r};
 }
 
 std::vector<bool> needed_patches(const std::vector<std::vector<int>>& covering,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "quadrics/slim_cover.h"
 
+#include "quadrics/scrambled.h"
 #include "quadrics/slim_fit.h"
 
 #include <tbb/enumerable_thread_specific.h>
@@ -15,8 +16,6 @@ namespace {
 
 /// Of the error, the least radius that is tried.
 constexpr double least_radius_errors = 3.0 / 16;
-/// By so much the search for a radius ends: an eighth of an octave.
-constexpr double radius_precision = 1.0906;
 
 /// A part of a triangle, to be covered as a whole.
 struct Part {
@@ -92,7 +91,7 @@ SlimPiece Cover::grown(const Part& part) {
     const double greatest =
         std::max(slim_greatest_radius_share * mesh_.diagonal_world(), least_radius_);
     double radius = std::clamp(4 * size, least_radius_, greatest);
-    while (good == 0 || bad == 0 || bad > good * radius_precision) {
+    while (good == 0 || bad == 0 || bad > good * slim_radius_precision) {
         auto piece = fitter.fit(part.triangle, centre, radius, error);
         if (piece) {
             best = std::move(piece);

@@ -23,9 +23,6 @@ constexpr std::size_t enough_samples = 12;
 /// by least squares is seldom twice that of the best fit.
 constexpr int rounds = 4;
 constexpr double hopeless = 2;
-/// Faces that turn more from a patch's normal are no graph over its plane that would do: heights
-/// are then three times the distance.
-constexpr double least_cosine = 1.0 / 3;
 /// Chains of ends turn by less than 45 degrees at a vertex.
 constexpr double least_turn_cosine = std::numbers::sqrt2 / 2;
 
@@ -61,9 +58,7 @@ double distance(const Eigen::Vector2d& p, const std::array<Eigen::Vector2d, 3>& 
 /// Of a point from the patch's centre.
 double height_over(const SlimPatch& patch, const Mat3d& axes, const Vec3d& p) {
     const Vec3d q = axes.transpose() * p;
-    const auto& h = patch.height;
-    return q.z() -
-           (h[0] + q.x() * (h[1] + q.x() * h[3] + q.y() * h[4]) + q.y() * (h[2] + q.y() * h[5]));
+    return q.z() - height_at(patch, q.x(), q.y());
 }
 
 } // namespace
@@ -174,16 +169,9 @@ SlimPatch SlimFitter::fitted(const Vec3d& centre_world, double radius_world) con
     if (normal.isZero(0)) normal = mesh_.normal(static_cast<std::size_t>(part_.front()));
     patch.normal = normal.stableNormalized();
     const Mat3d axes_by_radius = slim_axes(patch.normal) / radius_world;
-    using Vector6 = Eigen::Matrix<double, 6, 1>;
-    using Matrix6 = Eigen::Matrix<double, 6, 6>;
-    Matrix6 sum = Matrix6::Zero();
-    Vector6 right = Vector6::Zero();
+    HeightFit fit;
     const auto add = [&](const Vec3d& p, double weight) {
-        const Vec3d q = axes_by_radius.transpose() * p;
-        Vector6 basis;
-        basis << 1, q.x(), q.y(), q.x() * q.x(), q.x() * q.y(), q.y() * q.y();
-        sum.noalias() += weight * basis * basis.transpose();
-        right += weight * q.z() * basis;
+        fit.add(axes_by_radius.transpose() * p, weight);
     };
     for (const Leaf& leaf : leaves_) {
         if (samples_.size() >= enough_samples) break;
@@ -192,11 +180,7 @@ SlimPatch SlimFitter::fitted(const Vec3d& centre_world, double radius_world) con
         for (const Vec3d& p : leaf.middles) add(p, weight);
     }
     for (const Sample& sample : samples_) add(sample.p, sample.weight);
-    // 1e-12: what lies on a line or in a strip leaves some bends open, which then become 0.
-    sum += 1e-12 * sum.trace() * Matrix6::Identity();
-    const Vector6 h = sum.ldlt().solve(right);
-    const double r = radius_world;
-    patch.height = {h[0] * r, h[1], h[2], h[3] / r, h[4] / r, h[5] / r};
+    patch.height = HeightFit::height_of(fit.solved(), radius_world);
     return patch;
 }
 
@@ -349,13 +333,12 @@ bool SlimFitter::ends_with_part(const SlimPatch& patch, double max_error_world) 
     }
     const auto rim = [&](double turn) {
         const double angle = 2 * std::numbers::pi * turn;
-        const auto& h = patch.height;
         Vec3d q;
         double rho = patch.radius_world;
         for (int round = 0; round < 3; ++round) { // towards the sphere
             const double u = rho * std::cos(angle);
             const double v = rho * std::sin(angle);
-            q = {u, v, h[0] + h[1] * u + h[2] * v + h[3] * u * u + h[4] * u * v + h[5] * v * v};
+            q = {u, v, height_at(patch, u, v)};
             rho *= patch.radius_world / q.norm();
         }
         return q;
@@ -393,7 +376,7 @@ bool SlimFitter::ends_with_part(const SlimPatch& patch, double max_error_world) 
 std::optional<SlimPiece> SlimFitter::fit_collected(const Vec3d& centre_world, double radius_world,
                                                    double max_error_world) {
     SlimPiece piece{.patch = fitted(centre_world, radius_world)};
-    if (!is_graph(piece.patch.normal, least_cosine)) return std::nullopt;
+    if (!is_graph(piece.patch.normal, slim_least_cosine)) return std::nullopt;
     piece.residual_world = residual(piece.patch);
     const double spare = spare_of(radius_world, max_error_world);
     const double bound = ends_.empty() ? spare : max_error_world / 2;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
-#include "quadrics/slim.h"
+#include "quadrics/slim_choice.h"
 #include "quadrics/slim_mesh.h"
 
 #include <algorithm>
@@ -19,11 +19,6 @@ struct SlimPiece {
     std::vector<int> triangles; // of the mesh, all or in part
 };
 
-/// What a patch may be off by: a third of the radius at most, so that it stays in its sphere.
-inline double spare_of(double radius_world, double max_error_world) {
-    return std::min(max_error_world, radius_world / 3);
-}
-
 /// Fits patches, one at a time.
 class SlimFitter {
 public:
@@ -38,9 +33,8 @@ public:
     ///           than two ends, or any in a sphere of less than three errors, or one where no plane
     ///           ends it
     /// accuracy  heights over the samples, the mesh's vertices, are no greater than spare_of();
-    /// over
-    ///           the surface between them, at corners and middles of edges of its parts of 0.7 of
-    ///           the radius, than that and twice as far as the triangle bows (flat ones do not);
+    ///           over the surface between them, at corners and middles of edges of its parts of 0.7
+    ///           of the radius, than that and twice as far as the triangle bows (flat ones do not);
     ///           heights are no less than distances
     /// source    Ohtake, Belyaev, Alexa 2005 and Stoll et al. 2006 fig. 8; least squares by area
     std::optional<SlimPiece> fit(int triangle, const Vec3d& centre_world, double radius_world,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "quadrics/slim_points.h"
 
+#include "quadrics/scrambled.h"
 #include "volume/errors.h"
 
 #include <Eigen/Dense>
@@ -21,16 +22,12 @@ namespace {
 
 /// Twice as many as a patch has coefficients.
 constexpr std::size_t enough_points = 12;
-/// Points whose normals turn more from a patch's are not its own: heights are then three times the
-/// distance. Those that face away by more than 120 degrees are of another sheet.
-constexpr double least_cosine = 1.0 / 3;
+/// Points that face away by more than 120 degrees are of another sheet.
 constexpr double other_sheet_cosine = -0.5;
 /// Of the spacing, the least radius, with 20 points about; and cells none of which is empty (of
 /// points at random one of e^9 is).
 constexpr double least_radius_spacings = 2.5;
 constexpr double cell_spacings = 3;
-/// By so much the search for a radius ends: an eighth of an octave.
-constexpr double radius_precision = 1.0906;
 
 /// A kD-tree in an array: each range's middle divides it along its box's longest side.
 class BallTree {
@@ -119,9 +116,8 @@ bool PointCover::is_filled(const SlimPatch& patch, const std::vector<std::size_t
         const Vec3d q = axes.transpose() * (points_.points_world[i] - patch.centre_world);
         filled.insert({cell_of(q.x()), cell_of(q.y())});
     }
-    const auto& h = patch.height;
     const auto is_inside = [&](double u, double v) { // the sphere, the place on the graph
-        const double w = h[0] + u * (h[1] + u * h[3] + v * h[4]) + v * (h[2] + v * h[5]);
+        const double w = height_at(patch, u, v);
         return u * u + v * v + w * w < patch.radius_world * patch.radius_world;
     };
     const int most = cell_of(patch.radius_world);
@@ -149,58 +145,44 @@ std::optional<PointPiece> PointCover::fit(std::size_t centre, double radius, boo
     const Vec3d& facing = points_.normals[centre];
     tree_.visit_ball(patch.centre_world, radius, [&](std::size_t i) {
         const double cosine = facing.dot(points_.normals[i]);
-        turns = turns || (cosine < least_cosine && cosine > other_sheet_cosine);
-        if (cosine < least_cosine) return;
+        turns = turns || (cosine < slim_least_cosine && cosine > other_sheet_cosine);
+        if (cosine < slim_least_cosine) return;
         own.push_back(i);
         normal += points_.spacing_world[i] * points_.spacing_world[i] * points_.normals[i];
     });
     if (!is_least && (turns || own.size() < enough_points)) return std::nullopt;
     patch.normal = normal.normalized();
     const Mat3d axes = slim_axes(patch.normal);
-    using Vector6 = Eigen::Matrix<double, 6, 1>;
-    using Matrix6 = Eigen::Matrix<double, 6, 6>;
-    const auto basis_of = [&](const Vec3d& q) {
-        Vector6 basis;
-        basis << 1, q.x(), q.y(), q.x() * q.x(), q.x() * q.y(), q.y() * q.y();
-        return basis;
-    };
     const auto local = [&](std::size_t i) {
         return Vec3d(axes.transpose() * (points_.points_world[i] - patch.centre_world) / radius);
     };
-    Matrix6 sum = Matrix6::Zero();
-    Vector6 right = Vector6::Zero();
+    HeightFit fit;
     for (const std::size_t i : own) {
-        const Vec3d q = local(i);
         const double spacing = points_.spacing_world[i] / radius;
-        const Vector6 basis = basis_of(q);
-        const double weight = spacing * spacing;
-        sum.noalias() += weight * basis * basis.transpose();
-        right += weight * q.z() * basis;
+        fit.add(local(i), spacing * spacing);
     }
-    // 1e-12: as of meshes, what lies on a line leaves some bends open, which then become 0.
-    sum += 1e-12 * sum.trace() * Matrix6::Identity();
-    Vector6 h = Vector6::Zero();
-    if (own.size() >= enough_points) h = sum.ldlt().solve(right);
+    HeightFit::Vector6 h = HeightFit::Vector6::Zero();
+    if (own.size() >= enough_points) h = fit.solved();
     const auto residual = [&] {
         double greatest = 0;
         for (const std::size_t i : own) {
             const Vec3d q = local(i);
-            greatest = std::max(greatest, radius * std::abs(q.z() - h.dot(basis_of(q))));
+            greatest = std::max(greatest, radius * std::abs(q.z() - h.dot(HeightFit::basis_of(q))));
         }
         return greatest;
     };
-    const double spare = std::min(error_, radius / slim_fall_back_errors);
+    const double spare = spare_of(radius, error_);
     piece.residual_world = residual();
     if (!(piece.residual_world <= spare)) {
         if (!is_least) return std::nullopt;
-        const Vector6 bent = std::exchange(h, Vector6::Zero());
+        const HeightFit::Vector6 bent = std::exchange(h, HeightFit::Vector6::Zero());
         const double flat = residual();
         if (piece.residual_world < flat)
             h = bent;
         else
             piece.residual_world = flat;
     }
-    patch.height = {h[0] * radius, h[1], h[2], h[3] / radius, h[4] / radius, h[5] / radius};
+    patch.height = HeightFit::height_of(h, radius);
     if (!is_least && !is_filled(patch, own)) return std::nullopt;
     const double reach = std::min(slim_covered_share * radius, radius - spare);
     for (const std::size_t i : own)
@@ -218,7 +200,7 @@ PointPiece PointCover::grown(std::size_t centre) const {
     double good = least; // which holds, whatever it is off by
     double bad = 0;
     double radius = std::min(2 * least, greatest);
-    while (good < greatest && (bad == 0 || bad > good * radius_precision)) {
+    while (good < greatest && (bad == 0 || bad > good * slim_radius_precision)) {
         auto piece = fit(centre, radius, false);
         if (piece) {
             best = std::move(piece);

@@ -5,6 +5,7 @@
 #include "quadrics/in_parallel.h"
 #include "quadrics/patch_splats.h"
 #include "quadrics/quadric.h"
+#include "quadrics/scrambled.h"
 #include "quadrics/slim_splats.h"
 #include "quadrics/superquadric.h"
 #include "quadrics/triangle_splats.h"
@@ -22,14 +23,9 @@ namespace {
 /// Rectangles that reach farther are cut to the picture: floats know them to a 64th of a pixel.
 constexpr double greatest_pixels = 1 << 17;
 
-/// A number in [0, 1) that looks random and is always the same.
-///
-/// source  splitmix64's finaliser, Steele, Lea and Flood 2014
+/// In [0, 1), as if at random.
 double share_of(std::uint64_t number) {
-    std::uint64_t x = (number + 1) * 0x9e3779b97f4a7c15;
-    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9;
-    x = (x ^ x >> 27) * 0x94d049bb133111eb;
-    return static_cast<double>((x ^ x >> 31) >> 11) * 0x1p-53;
+    return static_cast<double>(scrambled(number) >> 11) * 0x1p-53;
 }
 
 /// How large one of many is drawn, of the full size of those that are kept: on average over all

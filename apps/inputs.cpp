@@ -76,8 +76,7 @@ Input input_from(const std::string& text) {
         input.kind = Input::Kind::SlimFile;
     else if (!is_mesh_file(input.name))
         throw InputError(fmt::format("{}: neither a field file ({}) nor a mesh file ({}) nor a "
-                                     "molecule file ({}) nor a SLIM "
-                                     "surface (.slim)",
+                                     "molecule file ({}) nor a SLIM surface (.slim)",
                                      input.name, field_file_extensions(), mesh_file_extensions(),
                                      molecule_file_extensions()));
     return input;

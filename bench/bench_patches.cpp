@@ -25,16 +25,8 @@ Camera framed(Renderer& renderer, int w, int h) {
     return frame_box(renderer.surface_points_world(), {0.3, 0.4, 1}, double(w) / h, 30);
 }
 
-/// The median of frames, seen from places a little apart.
 double seconds_of(Renderer& renderer, int w, int h, int repeats) {
-    Camera camera = framed(renderer, w, h);
-    std::vector<double> seconds;
-    for (int frame = 0; frame <= repeats; ++frame) {
-        camera.eye_world.x() *= 1 + 1e-4;
-        const TimedFrame drawn = draw(renderer, camera, w, h);
-        if (frame > 0) seconds.push_back(drawn.seconds); // the first one warms up
-    }
-    return median(seconds);
+    return median_frame_seconds(renderer, framed(renderer, w, h), w, h, repeats);
 }
 
 void load(Renderer& renderer, Primitives primitives) {

@@ -93,14 +93,9 @@ double run_fragments(Renderer& renderer, int repeats) {
 }
 
 double seconds_of(Renderer& renderer, int w, int h, int repeats) {
-    Camera camera = frame_box(renderer.surface_points_world(), {0.3, 0.4, 1}, double(w) / h, 30);
-    std::vector<double> seconds;
-    for (int frame = 0; frame <= repeats; ++frame) {
-        camera.eye_world.x() *= 1 + 1e-4;
-        const TimedFrame drawn = draw(renderer, camera, w, h);
-        if (frame > 0) seconds.push_back(drawn.seconds); // the first one warms up
-    }
-    return median(seconds);
+    return median_frame_seconds(
+        renderer, frame_box(renderer.surface_points_world(), {0.3, 0.4, 1}, double(w) / h, 30), w,
+        h, repeats);
 }
 
 /// Of a mesh, the finest level alone: what is compared is drawn at any size.

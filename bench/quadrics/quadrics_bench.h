@@ -30,6 +30,9 @@ struct TimedFrame {
 };
 TimedFrame draw(Renderer& renderer, const Camera& camera, int w = width, int h = height);
 
+/// Of frames seen from places a little apart, once it is warm.
+double median_frame_seconds(Renderer& renderer, Camera camera, int w, int h, int repeats);
+
 /// Pixels that show another primitive than the double ray caster's.
 int wrong_pixels(Renderer& renderer, Primitives primitives, const Camera& camera);
 /// Spheres at the picture's borders and corners, and some that the eye's plane cuts; prints them.

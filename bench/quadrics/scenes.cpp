@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <glad/gl.h>
 
+#include <algorithm>
 #include <chrono>
 #include <map>
 #include <random>
@@ -189,6 +190,17 @@ TimedFrame draw(Renderer& renderer, const Camera& camera, int w, int h) {
     glFinish();
     return {std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
             std::move(report)};
+}
+
+double median_frame_seconds(Renderer& renderer, Camera camera, int w, int h, int repeats) {
+    std::vector<double> seconds;
+    for (int frame = 0; frame <= repeats; ++frame) {
+        camera.eye_world.x() *= 1 + 1e-4;
+        const TimedFrame drawn = draw(renderer, camera, w, h);
+        if (frame > 0) seconds.push_back(drawn.seconds); // the first one warms up
+    }
+    std::ranges::nth_element(seconds, seconds.begin() + std::ssize(seconds) / 2);
+    return seconds[seconds.size() / 2];
 }
 
 Specimens specimens(Specimen specimen, double radius_pixels) {

@@ -70,7 +70,7 @@ SlimFragment slim_fragment(vec4 body[7], vec3 v, ClosestApproach closest, float 
     float depth = 1.0;
 #endif
     float weight = slim_weight(share) * slim_fade(body[4].xy, depth);
-    float slant = max(abs(dot(normal, v)), 0.125 * length(v));
+    float slant = max(abs(dot(normal, v)), 0.125 * length(v)); // quadrics/slim_blend.h: least_slant
     bool is_hit = s < nowhere && size > 0.0 && weight > 0.0;
     return SlimFragment(is_hit ? closest.t + s : nowhere, normal, weight, body[3].w / slant, size);
 }

@@ -339,8 +339,7 @@ TEST_F(Patches, HaveTheNormalsAndCurvaturesOfTheirSurface) {
         for (std::size_t i = 0; i < hits.rgba.size(); i += 4) {
             if (hits.rgba[i + 3] == 0) continue;
             ++seen;
-            const Vec3d p =
-                camera.eye_world + Eigen::Map<const Eigen::Vector3f>(&hits.rgba[i]).cast<double>();
+            const Vec3d p = point_at(hits, i, camera);
             EXPECT_NEAR(p.z(), a * p.x() * p.y(), 1e-5);
             const double w = std::sqrt(1 + a * a * (p.x() * p.x() + p.y() * p.y()));
             const Vec3d normal = Vec3d(-a * p.y(), -a * p.x(), 1) / w;
@@ -401,8 +400,7 @@ TEST_F(Patches, HideTheSkyFromWhatIsBelow) {
     int free = 0;
     for (std::size_t i = 0; i < hits.rgba.size(); i += 4) {
         if (hits.rgba[i + 3] == 0) continue;
-        const Vec3d p =
-            camera.eye_world + Eigen::Map<const Eigen::Vector3f>(&hits.rgba[i]).cast<double>();
+        const Vec3d p = point_at(hits, i, camera);
         if (std::abs(p.y()) > 1e-3 || std::abs(p.z()) > 0.9) continue;
         if (p.x() < -0.9 && p.x() > -1.1) { // the way up is barred within 0.9
             EXPECT_LT(open.rgba[i], 0.3) << p.transpose();

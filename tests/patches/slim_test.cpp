@@ -109,6 +109,8 @@ TEST_F(Slims, BlendThePiecesOfTheFirstSheet) {
                 const auto of = [&](const Image& image) {
                     return Eigen::Map<const Eigen::Vector3f>(&image.rgba[4 * i]).cast<double>();
                 };
+                // A sheet of 0.02 more or less is another place; 1e-4 and 1e-3 lie far above
+                // roundings where a ray does not graze a piece.
                 other += !is_hit || (of(hits) - p).norm() > 1e-4;
                 turned += (of(normals) - seen[i].normal).norm() > 1e-3;
             }
@@ -132,8 +134,7 @@ TEST_F(Slims, AreTheSurfaceThatTheyCover) {
         for (std::size_t i = 0; i < hits.rgba.size(); i += 4) {
             if (hits.rgba[i + 3] == 0) continue;
             ++seen;
-            const Vec3d p =
-                camera.eye_world + Eigen::Map<const Eigen::Vector3f>(&hits.rgba[i]).cast<double>();
+            const Vec3d p = point_at(hits, i, camera);
             EXPECT_NEAR(p.norm(), 1, error);
             // A paraboloid's slope is off by r^3 / 2 at a piece's rim, where it has no weight.
             const Vec3d n = Eigen::Map<const Eigen::Vector3f>(&normals.rgba[i]).cast<double>();
@@ -189,8 +190,7 @@ TEST_F(Slims, FarAwayAndFarFromTheOriginAreExact) {
         for (std::size_t i = 0; i < hits.rgba.size(); i += 4) {
             if (hits.rgba[i + 3] == 0) continue;
             ++seen;
-            const Vec3d p =
-                camera.eye_world + Eigen::Map<const Eigen::Vector3f>(&hits.rgba[i]).cast<double>();
+            const Vec3d p = point_at(hits, i, camera);
             EXPECT_NEAR(p.norm(), 1, error + 2e-7 * distance); // roundings of the hit's own digits
         }
         EXPECT_GT(seen, 3000);
@@ -315,8 +315,7 @@ TEST_F(Slims, LevelsNeitherShowNorPop) {
         std::vector<float> middle;
         for (std::size_t i = 0; i < hits.rgba.size(); i += 4) {
             if (hits.rgba[i + 3] == 0) continue;
-            const Vec3d p =
-                camera.eye_world + Eigen::Map<const Eigen::Vector3f>(&hits.rgba[i]).cast<double>();
+            const Vec3d p = point_at(hits, i, camera);
             EXPECT_LT(std::abs(p.norm() - 1),
                       std::max(0.5 * pixel, surface.levels[0].max_error_world) + 4e-7 * distance);
         }
@@ -342,27 +341,16 @@ TEST_F(Slims, CastShadowsAndHideTheSky) {
         .vertices_world = {{-2, -1.2, 2}, {2, -1.2, 2}, {2, -1.2, -2}, {-2, -1.2, -2}},
         .quads = {{0, 1, 2, 3}}};
     camera.eye_world = {1, 3, 6};
-    Look look;
     const Vec3d light = Vec3d(0.4, 1, 0.3).normalized();
-    look.lights = {{.direction = light, .is_in_view_space = false, .shadow = Shadow::Hard}};
-    look.effects.occlusion.strength = 1;
-    look.effects.occlusion.distance_world = 1;
     constexpr int size = 160;
-    const auto pictures = [&](Primitives primitives) {
-        primitives.patches = {floor};
-        renderer.load({.look = look, .primitives = std::make_shared<Primitives>(primitives)});
-        renderer.draw(camera, size, size,
-                      {FrameImage::Shadow, FrameImage::Occlusion, FrameImage::Hit});
-        return std::array{renderer.read(FrameImage::Shadow), renderer.read(FrameImage::Occlusion),
-                          renderer.read(FrameImage::Hit)};
-    };
-    const auto of_slim = pictures({.slims = {ball_of_levels()}});
-    const auto of_sphere = pictures({.spheres = {{}}});
+    const auto of_slim = shadows_and_sky(
+        renderer, {.patches = {floor}, .slims = {ball_of_levels()}}, light, camera, size);
+    const auto of_sphere =
+        shadows_and_sky(renderer, {.spheres = {{}}, .patches = {floor}}, light, camera, size);
     int dark = 0, hidden = 0, other_shadow = 0, other_sky = 0, lit = 0, unlit = 0, sky = 0;
     for (std::size_t i = 0; i < of_sphere[2].rgba.size(); i += 4) {
         if (of_sphere[2].rgba[i + 3] == 0 || of_slim[2].rgba[i + 3] == 0) continue;
-        const Vec3d p = camera.eye_world +
-                        Eigen::Map<const Eigen::Vector3f>(&of_slim[2].rgba[i]).cast<double>();
+        const Vec3d p = point_at(of_slim[2], i, camera);
         if (p.y() > -1.19) { // on the ball: it neither shades itself nor hides its own sky
             const double slope = p.normalized().dot(light);
             if (slope > 0.2) ++lit, unlit += of_slim[0].rgba[i] == 0;

@@ -189,22 +189,13 @@ TEST_F(Tetrahedra, CastShadowsAndHideTheSky) {
     const PatchMesh floor{.vertices_world = {{-2, -1, 2}, {2, -1, 2}, {2, -1, -2}, {-2, -1, -2}},
                           .quads = {{0, 1, 2, 3}}};
     camera.eye_world = {1, 3, 6};
-    Look look;
     const Vec3d light = Vec3d(0.4, 1, 0.3).normalized();
-    look.lights = {{.direction = light, .is_in_view_space = false, .shadow = Shadow::Hard}};
-    look.effects.occlusion.strength = 1;
-    look.effects.occlusion.distance_world = 1;
     constexpr int size = 160;
-    const auto drawn = [&](Primitives primitives) {
-        primitives.patches = {floor};
-        renderer.load({.look = look, .primitives = std::make_shared<Primitives>(primitives)});
-        renderer.draw(camera, size, size,
-                      {FrameImage::Shadow, FrameImage::Occlusion, FrameImage::Hit});
-        return std::array{renderer.read(FrameImage::Shadow), renderer.read(FrameImage::Occlusion),
-                          renderer.read(FrameImage::Hit)};
-    };
-    const auto of_spline = drawn({.tetrahedra = {ball()}});
-    const auto of_sphere = drawn({.spheres = {{.radius_world = ball_radius}}});
+    const auto of_spline = shadows_and_sky(renderer, {.patches = {floor}, .tetrahedra = {ball()}},
+                                           light, camera, size);
+    const auto of_sphere =
+        shadows_and_sky(renderer, {.spheres = {{.radius_world = ball_radius}}, .patches = {floor}},
+                        light, camera, size);
     int dark = 0, hidden = 0, other_shadow = 0, other_sky = 0;
     for (std::size_t i = 0; i < of_sphere[2].rgba.size(); i += 4) {
         // On the floor alone: a sphere's own rays start differently.
@@ -213,8 +204,7 @@ TEST_F(Tetrahedra, CastShadowsAndHideTheSky) {
         dark += of_sphere[0].rgba[i] == 0;
         hidden += of_sphere[1].rgba[i] < 1;
         // A texel of the light's picture is less than 6 / size.
-        const Vec3d p = camera.eye_world +
-                        Eigen::Map<const Eigen::Vector3f>(&of_spline[2].rgba[i]).cast<double>();
+        const Vec3d p = point_at(of_spline[2], i, camera);
         const double inside = ball_radius - p.cross(light).norm();
         if (std::abs(inside) > 2 * 6.0 / size)
             other_shadow += (of_spline[0].rgba[i] == 0) != (inside > 0);
@@ -285,9 +275,7 @@ TEST_F(Tetrahedra, OfAClosedSurfaceLeaveNoHole) {
                 int holes = 0;
                 for (std::size_t i = 0; i < inner.size(); ++i)
                     if (inner[i].number >= 0) {
-                        const Vec3d p =
-                            camera.eye_world +
-                            Eigen::Map<const Eigen::Vector3f>(&hits.rgba[4 * i]).cast<double>();
+                        const Vec3d p = point_at(hits, 4 * i, camera);
                         // Through a hole its far side is seen, or nothing.
                         holes += hits.rgba[4 * i + 3] == 0 || p.dot(direction) < 0;
                     }

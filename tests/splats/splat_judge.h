@@ -71,6 +71,29 @@ inline Judgement judge(Renderer& renderer, Primitives primitives, const Camera& 
     return judgement;
 }
 
+/// Where the ray of a pixel hits [world].
+///
+/// i  the pixel's first number
+inline Vec3d point_at(const Image& hits, std::size_t i, const Camera& camera) {
+    return camera.eye_world + Eigen::Map<const Eigen::Vector3f>(&hits.rgba[i]).cast<double>();
+}
+
+/// FrameImage::Shadow, hard ones, Occlusion within 1, and Hit.
+///
+/// light  unit, towards it [world]
+inline std::array<Image, 3> shadows_and_sky(Renderer& renderer, Primitives primitives,
+                                            const Vec3d& light, const Camera& camera, int size) {
+    Look look;
+    look.lights = {{.direction = light, .is_in_view_space = false, .shadow = Shadow::Hard}};
+    look.effects.occlusion.strength = 1;
+    look.effects.occlusion.distance_world = 1;
+    renderer.load(
+        {.look = look, .primitives = std::make_shared<Primitives>(std::move(primitives))});
+    renderer.draw(camera, size, size, {FrameImage::Shadow, FrameImage::Occlusion, FrameImage::Hit});
+    return {renderer.read(FrameImage::Shadow), renderer.read(FrameImage::Occlusion),
+            renderer.read(FrameImage::Hit)};
+}
+
 struct Holes {
     int met = 0;   // pixels whose rays meet what is expected
     int holes = 0; // those of them that show nothing

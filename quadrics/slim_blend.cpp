@@ -68,23 +68,30 @@ std::optional<SlimFragment> slim_fragment(const SlimPatch& patch, double max_err
                                           bool faces_front, double t_near) {
     const auto hits = intersect(patch, origin_world, direction_world, faces_front, t_near);
     if (hits.empty() || !(hits.front().weight > 0)) return std::nullopt;
-    const double slant = std::max(std::abs(hits.front().normal.dot(direction_world)),
-                                  least_slant * direction_world.norm());
-    return SlimFragment{hits.front(), max_error_world / slant};
+    const double facing = -hits.front().normal.dot(direction_world);
+    const double slant = std::max(std::abs(facing), least_slant * direction_world.norm());
+    return SlimFragment{hits.front(), max_error_world / slant, facing >= 0};
 }
 
-std::optional<SlimHit> blended(std::span<const SlimFragment> fragments) {
+std::optional<SlimHit> blended(std::span<const SlimFragment> fragments, const Vec3d& axis_world) {
     if (fragments.empty()) return std::nullopt;
     const auto end = [](const SlimFragment& f) { return f.hit.t + f.reach; };
-    const double first_end = end(*std::ranges::min_element(fragments, {}, end));
+    const SlimFragment& first = *std::ranges::min_element(fragments, {}, end);
+    const double first_end = end(first);
+    const double side = first.is_outside ? 1 : -1;
     SlimHit sum{.normal = Vec3d::Zero()};
     for (const SlimFragment& f : fragments) {
         if (f.hit.t - f.reach > first_end) continue;
         sum.t += f.hit.weight * (f.hit.t - first_end);
-        sum.normal += f.hit.weight * f.hit.normal;
+        const Vec3d n = side * f.hit.normal;
+        const double along = axis_world.dot(n);
+        sum.normal += f.hit.weight / std::max(1 + along, 1e-3) * (n - along * axis_world);
         sum.weight += f.hit.weight;
     }
-    return SlimHit{first_end + sum.t / sum.weight, sum.normal.stableNormalized(), sum.weight};
+    const Vec3d mean = sum.normal / sum.weight;
+    const double square = mean.squaredNorm();
+    return SlimHit{first_end + sum.t / sum.weight,
+                   side * (2 * mean + (1 - square) * axis_world) / (1 + square), sum.weight};
 }
 
 } // namespace isocast

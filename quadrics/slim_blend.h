@@ -50,6 +50,7 @@ SlimSurface placed(SlimSurface surface, const Eigen::Affine3d& to_world);
 struct SlimFragment {
     SlimHit hit; // of weight above 0
     double reach = 0;
+    bool is_outside = true; // which is seen
 };
 /// The patch's hit that shows: the nearest that its sphere and its planes hold.
 ///
@@ -67,7 +68,9 @@ inline constexpr double least_slant = 1.0 / 8;
 /// the intervals t - reach ... t + reach those that overlap the one that ends first. All pieces
 /// that err by what they promise hold the surface's own place, so that none of a sheet is left out.
 ///
-/// source  Stoll et al. 2006, 5.1.1, whose offset is one number
-std::optional<SlimHit> blended(std::span<const SlimFragment> fragments);
+/// axis_world  unit, towards the eye: normals are blended by their stereographic pictures along it,
+///             those of a sheet that shows its inside turned around
+/// source      Stoll et al. 2006, 5.1.1, whose offset is one number
+std::optional<SlimHit> blended(std::span<const SlimFragment> fragments, const Vec3d& axis_world);
 
 } // namespace isocast

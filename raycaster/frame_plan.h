@@ -17,8 +17,8 @@ enum class FrameImage {
     SplatSurface, // integers: number of its colour + 1, with bit 31 of the half at b of a stick, 0:
                   // none; its normal, view space, as shaders/common/octahedral.glsl
     SlimNearest,  // of SLIM surfaces: where the sheet that shows surely lies behind, by depth;
-                  // number of its colour + 1, 0: none
-    SlimHit,      // their blended hit: unit normal, view space; depth, 1e30 where there is none
+                  // number of its colour + 1, below 0 if it shows its inside, 0: none
+    SlimHit,      // sums by weight over its pieces: shaders/quadrics/slim_blend.glsl
     Hit,          // first hit: eye-relative position [world], object
     Steps,        // how often the ray's search looked at the field
     Gradient,  // gradient of the field at the hit [1/world * world], world axes; of primitives the

@@ -258,7 +258,7 @@ public:
         std::vector<SlimFragment> own;
         for (const Fragment& f : met)
             if (f.surface == surface) own.push_back(f.of_surface);
-        return Shown{surface, *blended(own)};
+        return Shown{surface, *blended(own, view_.space.view_from_world.row(2))};
     }
 
 private:

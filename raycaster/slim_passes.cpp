@@ -18,10 +18,6 @@ gl::ProgramKey piece_program(bool is_perspective, const CutKind& cut, SlimOutput
     return key;
 }
 
-gl::ProgramKey hit_program() {
-    return {{"common/tiles.vert", "quadrics/slim_hit.frag"}, {}};
-}
-
 gl::ProgramKey splat_program_of_hits(SplatOutput output) {
     return {{"common/tiles.vert", "quadrics/slim_splat.frag"},
             {{"OUTPUT", std::to_string(static_cast<int>(output))}}};
@@ -37,10 +33,11 @@ void draw_pieces(const FrameContext& frame, SlimOutput output,
 }
 
 /// Sums over the pieces of the sheet that shows.
-void blend_pieces(const FrameContext& frame, SlimOutput output, const gl::Framebuffer& target) {
+void blend_pieces(const FrameContext& frame, SlimOutput output, const gl::Framebuffer& target,
+                  int target_count) {
     target.bind();
     const std::array<float, 4> nothing{};
-    for (int i = 0; i < 2; ++i) glClearBufferfv(GL_COLOR, i, nothing.data());
+    for (int i = 0; i < target_count; ++i) glClearBufferfv(GL_COLOR, i, nothing.data());
     set_fixed_state();
     glEnable(GL_BLEND);
     glBlendEquation(GL_FUNC_ADD);
@@ -82,21 +79,19 @@ void run_slim_nearest(FrameContext& frame) {
 }
 
 void run_slim_hits(FrameContext& frame) {
-    const gl::Texture normals = scratch(frame, gl::Format::Rgba32f);
-    const gl::Texture distances = scratch(frame, gl::Format::R32f);
-    blend_pieces(frame, SlimOutput::Blend, gl::Framebuffer({&normals, &distances}, "blend"));
-    normals.bind_to_unit(2);
-    distances.bind_to_unit(3);
-    draw_tiles(frame, FrameImage::SlimHit, frame.shaders.program(hit_program()),
-               {0, 0, 0, 1e30F}); // shaders/quadrics/quadric.glsl: nowhere
+    blend_pieces(frame, SlimOutput::Blend, frame.targets.framebuffer(FrameImage::SlimHit), 1);
+}
+
+void bind_slim_hits(const FrameContext& frame) {
+    frame.targets.texture(FrameImage::SlimNearest).bind_to_unit(15);
+    frame.targets.texture(FrameImage::SlimHit).bind_to_unit(1);
 }
 
 void draw_slim_hits(const FrameContext& frame, SplatOutput output, double depth_unit) {
     const SplatsOnGpu::OfKind* pieces = frame.seen.splats->slim();
     if (pieces == nullptr) return;
     const gl::Program& program = frame.shaders.program(splat_program_of_hits(output));
-    frame.targets.texture(FrameImage::SlimNearest).bind_to_unit(0);
-    frame.targets.texture(FrameImage::SlimHit).bind_to_unit(1);
+    bind_slim_hits(frame);
     program.set("u_depth_unit", static_cast<float>(depth_unit));
     if (output == SplatOutput::Number)
         program.set("u_to_slot", static_cast<float>(pieces->first_slot -
@@ -106,11 +101,12 @@ void draw_slim_hits(const FrameContext& frame, SplatOutput output, double depth_
 
 SlimBends::SlimBends(FrameContext& frame)
     : textures{scratch(frame, gl::Format::Rgba32f), scratch(frame, gl::Format::Rgba32f)} {
-    blend_pieces(frame, SlimOutput::Bends, gl::Framebuffer({&textures[0], &textures[1]}, "bends"));
+    blend_pieces(frame, SlimOutput::Bends, gl::Framebuffer({&textures[0], &textures[1]}, "bends"),
+                 2);
 }
 
 std::vector<gl::ProgramKey> slim_programs() {
-    std::vector<gl::ProgramKey> keys{hit_program(), splat_program_of_hits(SplatOutput::Number),
+    std::vector<gl::ProgramKey> keys{splat_program_of_hits(SplatOutput::Number),
                                      splat_program_of_hits(SplatOutput::Surface)};
     for (const bool is_perspective : {false, true})
         for (const SlimOutput output :

@@ -15,6 +15,8 @@ bool has_slims(const FrameContext& frame);
 void run_slim_nearest(FrameContext& frame);
 /// FrameImage::SlimHit.
 void run_slim_hits(FrameContext& frame);
+/// For shaders that read hits, at 1 and 15.
+void bind_slim_hits(const FrameContext& frame);
 /// What they show, among other splats: a number, or as FrameImage::SplatSurface, by depth.
 ///
 /// output  Number or Surface

@@ -86,7 +86,7 @@ void set_splat_uniforms(const gl::Program& program, const FrameContext& frame) {
     for (const SplatsOnGpu::OfKind& of_kind : frame.seen.splats->kinds) {
         const auto k = static_cast<unsigned>(of_kind.kind);
         if (of_kind.kind == SplatKind::Slim)
-            frame.targets.texture(FrameImage::SlimHit).bind_to_unit(1);
+            bind_slim_hits(frame);
         else
             of_kind.records.texture.bind_to_unit(first_unit + k);
         program.set(fmt::format("u_slots[{}]", k).c_str(),

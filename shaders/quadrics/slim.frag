@@ -3,6 +3,7 @@
 #version 450 core
 #include "quadrics/splat.glsl"
 #include "quadrics/slim.glsl"
+#include "quadrics/slim_blend.glsl"
 
 // STAGE: raycaster/slim_passes.cpp, SlimOutput.
 flat in vec4 v_splat[FLOATS4 - PLACE4];
@@ -13,9 +14,7 @@ layout(location = 0) out vec2 o_nearest; // as FrameImage::SlimNearest
 #else
 layout(binding = 1) uniform sampler2D t_nearest;
 layout(location = 0) out vec4 o_first;
-#if STAGE == 1
-layout(location = 1) out float o_second;
-#else
+#if STAGE == 2
 layout(location = 1) out vec4 o_second;
 #endif
 #endif
@@ -28,14 +27,13 @@ void main() {
     float number = v_splat[2].w; // of its colour
 #if STAGE == 0
     float end = piece.t + piece.reach;
-    o_nearest = vec2(end, number + 1.0);
+    o_nearest = vec2(end, piece.is_outside ? number + 1.0 : -number - 1.0);
     gl_FragDepth = u_depth_unit / end;
 #else
     vec2 nearest = texelFetch(t_nearest, ivec2(gl_FragCoord.xy), 0).xy;
-    if (nearest.y != number + 1.0 || piece.t - piece.reach > nearest.x) discard;
+    if (abs(nearest.y) != number + 1.0 || piece.t - piece.reach > nearest.x) discard;
 #if STAGE == 1
-    o_first = vec4(piece.normal, 1.0) * piece.weight;
-    o_second = (piece.t - nearest.x) * piece.weight;
+    o_first = slim_sum(nearest, piece.t, piece.normal, piece.weight);
 #else
     mat3 bend = slim_matrix(v_splat) * (piece.weight / piece.gradient);
     o_first = vec4(bend[0], bend[1].y);

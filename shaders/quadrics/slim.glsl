@@ -9,6 +9,7 @@
 struct SlimFragment {
     float t; // nowhere if there is none
     vec3 normal;
+    bool is_outside; // which is seen
     float weight;
     float reach;    // how far the surface may lie before or behind it, by t
     float gradient; // half its length: 1, by distances
@@ -70,9 +71,10 @@ SlimFragment slim_fragment(vec4 body[7], vec3 v, ClosestApproach closest, float 
     float depth = 1.0;
 #endif
     float weight = slim_weight(share) * slim_fade(body[4].xy, depth);
-    float slant = max(abs(dot(normal, v)), 0.125 * length(v)); // quadrics/slim_blend.h: least_slant
+    float facing = -dot(normal, v);
+    float slant = max(abs(facing), 0.125 * length(v)); // quadrics/slim_blend.h: least_slant
     bool is_hit = s < nowhere && size > 0.0 && weight > 0.0;
-    return SlimFragment(is_hit ? closest.t + s : nowhere, normal, weight, body[3].w / slant, size);
+    return SlimFragment(is_hit ? closest.t + s : nowhere, normal, facing >= 0.0, weight, body[3].w / slant, size);
 }
 
 SlimFragment slim_fragment(vec4 body[7], vec2 slope, vec3 start, float t_near) {

@@ -13,13 +13,17 @@
 #if HAS_7
 #include "quadrics/tetrahedron.glsl"
 #endif
+#if HAS_8
+#include "quadrics/slim_blend.glsl"
+#endif
 
 layout(binding = 5) uniform sampler2D t_splat; // number + 1; 0: none
 layout(binding = 6) uniform samplerBuffer t_splats[8]; // by kind
 uniform ivec2 u_slots[9]; // by kind: the first, how many
 #if HAS_8
 uniform int u_first_slim; // the first SLIM surface's colour
-layout(binding = 1) uniform sampler2D t_slim; // their blended hit: unit normal, t
+layout(binding = 15) uniform sampler2D t_slim_nearest;
+layout(binding = 1) uniform sampler2D t_slim; // sums over their pieces
 #if HAS_HESSIAN
 layout(binding = 2) uniform sampler2D t_slim_bends[2]; // sums by weight: xx xy xz yy, yz zz - weight
 #endif
@@ -202,8 +206,8 @@ Seen seen_splat(int slot) {
 #if HAS_8
     for (bool is_here = is_of(slot, 8); is_here; is_here = seen.colour < -1) {
         ivec2 pixel = ivec2(gl_FragCoord.xy);
-        vec4 nearest = texelFetch(t_slim, pixel, 0);
-        QuadricHit hit = cut_hit(QuadricHit(nearest.w, nearest.xyz, vec3(0.0), false), kept, slope, 0.0);
+        vec4 blended = slim_hit(texelFetch(t_slim_nearest, pixel, 0).xy, texelFetch(t_slim, pixel, 0));
+        QuadricHit hit = cut_hit(QuadricHit(blended.w, blended.xyz, vec3(0.0), false), kept, slope, 0.0);
 #if HAS_HESSIAN
         vec4 first = texelFetch(t_slim_bends[0], pixel, 0);
         vec4 second = texelFetch(t_slim_bends[1], pixel, 0);

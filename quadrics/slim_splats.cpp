@@ -57,6 +57,7 @@ bool shows_outside_only(const SlimSurface& surface, const SplatView& view) {
 void append_splats(const SlimSurface& surface, std::size_t number, const SplatView& view,
                    Splats& splats) {
     const bool faces_front = shows_outside_only(surface, view);
+    splats.shows_slims_inside |= !faces_front;
     const PictureSpace& space = view.space;
     const Vec3d forward = -space.view_from_world.row(2).transpose();
     for (std::size_t l = 0; l < surface.levels.size(); ++l) {

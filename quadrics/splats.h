@@ -101,7 +101,8 @@ struct PixelBox {
 /// The primitives that a picture can show: of quadrics the nearest first within each kind.
 struct Splats {
     std::array<std::vector<float>, splat_kind_count> records;
-    std::vector<PixelBox> boxes; // that hold them, of all
+    std::vector<PixelBox> boxes;     // that hold them, of all
+    bool shows_slims_inside = false; // of any SLIM surface
 
     int count(SplatKind kind) const {
         const auto k = static_cast<std::size_t>(kind);

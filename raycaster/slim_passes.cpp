@@ -10,11 +10,13 @@ namespace {
 /// What shaders/quadrics/slim.frag writes of a piece.
 enum class SlimOutput { Nearest, Blend, Bends };
 
-gl::ProgramKey piece_program(bool is_perspective, const CutKind& cut, SlimOutput output) {
+gl::ProgramKey piece_program(bool is_perspective, const CutKind& cut, SlimOutput output,
+                             bool is_front_only) {
     gl::ProgramKey key =
         splat_program(SplatKind::Slim, is_perspective, cut, SplatOutput::Surface); // with numbers
     key.entry_points.back() = "quadrics/slim.frag";
     key.defines["STAGE"] = std::to_string(static_cast<int>(output));
+    key.defines["FRONT_ONLY"] = std::to_string(is_front_only ? 1 : 0);
     return key;
 }
 
@@ -28,7 +30,9 @@ void draw_pieces(const FrameContext& frame, SlimOutput output,
     const SplatsOnGpu::OfKind* pieces = frame.seen.splats->slim();
     if (pieces == nullptr) return;
     draw_splats_of_kind(
-        frame, *pieces, piece_program(is_perspective(frame), cut_kind_of(frame), output),
+        frame, *pieces,
+        piece_program(is_perspective(frame), cut_kind_of(frame), output,
+                      !frame.seen.splats->shows_slims_inside),
         [&](const gl::Program& program, const SplatsOnGpu::OfKind&) { prepare(program); });
 }
 
@@ -111,9 +115,10 @@ std::vector<gl::ProgramKey> slim_programs() {
     for (const bool is_perspective : {false, true})
         for (const SlimOutput output :
              {SlimOutput::Nearest, SlimOutput::Blend, SlimOutput::Bends}) {
-            keys.push_back(piece_program(is_perspective, {}, output));
+            for (const bool is_front_only : {false, true})
+                keys.push_back(piece_program(is_perspective, {}, output, is_front_only));
             for (const CutLook look : {CutLook::Inside, CutLook::Flat, CutLook::Capped})
-                keys.push_back(piece_program(is_perspective, {2, look}, output));
+                keys.push_back(piece_program(is_perspective, {2, look}, output, false));
         }
     return keys;
 }

@@ -151,6 +151,7 @@ SplatsOnGpu::SplatsOnGpu(const Primitives& primitives, std::vector<CutPlane> cut
         byte_count += of_kind.records.buffer.byte_count();
     }
     tile_runs = runs_of(splats.boxes, part);
+    shows_slims_inside = splats.shows_slims_inside;
 }
 
 const SplatsOnGpu::OfKind* SplatsOnGpu::slim() const {

@@ -54,6 +54,7 @@ struct SplatsOnGpu {
     std::vector<OfKind> kinds;              // that are there
     std::vector<Eigen::Vector4i> tile_runs; // of tiles that can show one, as TileLists::runs()
     std::vector<CutPlane> planes;           // that cut them; with unit normals
+    bool shows_slims_inside = false;        // of any SLIM surface
     SplatStudy study;
     std::int64_t byte_count = 0;
     const PrimitivesOnGpu* of_scene = nullptr;

@@ -33,11 +33,12 @@ void main() {
     vec2 nearest = texelFetch(t_nearest, ivec2(gl_FragCoord.xy), 0).xy;
     if (abs(nearest.y) != number + 1.0 || piece.t - piece.reach > nearest.x) discard;
 #if STAGE == 1
-    o_first = slim_sum(nearest, piece.t, piece.normal, piece.weight);
+    o_first = slim_sum(nearest, piece.t, piece.half_gradient / piece.size, slim_weight(piece));
 #else
-    mat3 bend = slim_matrix(v_splat) * (piece.weight / piece.gradient);
+    float weight = slim_weight(piece);
+    mat3 bend = slim_matrix(v_splat) * (weight / piece.size);
     o_first = vec4(bend[0], bend[1].y);
-    o_second = vec4(bend[1].z, bend[2].z, 0.0, piece.weight);
+    o_second = vec4(bend[1].z, bend[2].z, 0.0, weight);
 #endif
 #endif
 }

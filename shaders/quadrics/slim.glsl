@@ -5,14 +5,20 @@
 // twin    quadrics/slim.h: intersect(); quadrics/slim_blend.h
 #include "quadrics/quadric.glsl"
 
-// The pieces' hits, from the nearest to the one that surely lies behind.
+// FRONT_ONLY: whether of all pieces only what faces the eye shows.
+#ifndef FRONT_ONLY
+#define FRONT_ONLY 0
+#endif
+
+// The piece's hit: of those that its sphere and its planes hold, the nearest.
 struct SlimFragment {
     float t; // nowhere if there is none
-    vec3 normal;
-    bool is_outside; // which is seen
-    float weight;
-    float reach;    // how far the surface may lie before or behind it, by t
-    float gradient; // half its length: 1, by distances
+    float reach;        // how far the surface may lie before or behind it, by t
+    bool is_outside;    // which is seen
+    vec3 half_gradient; // 1/2 by distances, outwards
+    float size;         // its length
+    float share;        // squared distance from the centre, by the radius
+    float fade;         // of its level there
 };
 
 // As pieces are written: corner, side | side, number, 0 | centre, radius | a_xx a_xy a_xz b_x |
@@ -23,9 +29,10 @@ mat3 slim_matrix(vec4 body[7]) {
 }
 
 // 1 at the centre, 0 on the sphere.
-float slim_weight(float share) {
+float slim_weight(SlimFragment piece) {
     const float inverse_e = 0.36787944;
-    return share < 0.5 ? exp(-4.0 * share * share) : 4.0 * inverse_e * (1.0 - share) * (1.0 - share);
+    float rest = 1.0 - sqrt(piece.share);
+    return piece.fade * (piece.share < 0.25 ? exp(-4.0 * piece.share) : 4.0 * inverse_e * rest * rest);
 }
 
 // Of a level at a depth.
@@ -34,11 +41,11 @@ float slim_fade(vec2 slopes, float depth) {
     return share.x * (1.0 - share.y);
 }
 
-// closest  to the centre
-SlimFragment slim_fragment(vec4 body[7], vec3 v, ClosestApproach closest, float t_near) {
+// near  a place of the ray near the centre, for small numbers
+SlimFragment slim_fragment(vec4 body[7], vec3 v, ClosestApproach near, float t_near) {
     mat3 a = slim_matrix(body);
     vec3 b = vec3(body[1].w, body[3].xy);
-    vec3 y = closest.y;
+    vec3 y = near.y;
     vec3 a_v = a * v;
     vec3 half_gradient_at_y = a * y + b;
     float alpha = dot(v, a_v);
@@ -47,48 +54,53 @@ SlimFragment slim_fragment(vec4 body[7], vec3 v, ClosestApproach closest, float 
     float discriminant = beta * beta - alpha * gamma;
     float root = sqrt(max(discriminant, 0.0));
     // f falls along the ray at the first and rises at the second, whatever the sign of alpha.
-    vec2 roots = beta < 0.0 ? vec2(gamma, alpha == 0.0 ? 0.0 : root - beta) / vec2(root - beta, alpha)
-                            : vec2(beta + root, gamma) / vec2(-alpha, -(beta + root));
-    bool is_front_only = body[4].z != 0.0;
+    float roots[2] = float[2](beta < 0.0 ? gamma / (root - beta) : (beta + root) / -alpha,
+                              beta < 0.0 ? (root - beta) / alpha : gamma / -(beta + root));
     float s = nowhere;
-    float share = 1.0;
-    for (int i = 0; i < 2; ++i) {
+    float square = 0.0;
+    bool is_outside = true;
+    for (int i = 0; i < 2 - FRONT_ONLY; ++i) {
         vec3 p = y + v * roots[i];
-        float share_here = length(p) / body[0].w;
+        float square_here = dot(p, p);
         vec2 sides = vec2(dot(body[5].xyz, p) + body[5].w, dot(body[6].xyz, p) + body[6].w);
         float side = body[4].w == 3.0 ? max(sides.x, sides.y) : min(sides.x, sides.y);
-        bool is_in = discriminant >= 0.0 && share_here < 1.0 && side >= 0.0 && closest.t + roots[i] >= t_near &&
-                     roots[i] < s && !(is_front_only && i == 1);
+        bool is_in = discriminant >= 0.0 && square_here < body[0].w * body[0].w && side >= 0.0 &&
+                     near.t + roots[i] >= t_near && roots[i] < s && (i == 0 || body[4].z == 0.0);
         s = is_in ? roots[i] : s;
-        share = is_in ? share_here : share;
+        square = is_in ? square_here : square;
+        is_outside = is_in ? i == 0 : is_outside;
     }
     vec3 half_gradient = half_gradient_at_y + a_v * s;
     float size = length(half_gradient);
-    vec3 normal = half_gradient / size;
 #if IS_PERSPECTIVE
-    float depth = closest.t + s;
+    float depth = near.t + s;
 #else
     float depth = 1.0;
 #endif
-    float weight = slim_weight(share) * slim_fade(body[4].xy, depth);
-    float facing = -dot(normal, v);
-    float slant = max(abs(facing), 0.125 * length(v)); // quadrics/slim_blend.h: least_slant
-    bool is_hit = s < nowhere && size > 0.0 && weight > 0.0;
-    return SlimFragment(is_hit ? closest.t + s : nowhere, normal, facing >= 0.0, weight, body[3].w / slant, size);
+    float fade = slim_fade(body[4].xy, depth);
+    bool is_hit = s < nowhere && size > 0.0 && fade > 0.0;
+    // The root is how steeply f falls along the ray. 1/8: quadrics/slim_blend.h, least_slant.
+    float reach = body[3].w * size / max(root, 0.125 * length(v) * size);
+    return SlimFragment(is_hit ? near.t + s : nowhere, reach, is_outside, half_gradient, size,
+                        square / (body[0].w * body[0].w), fade);
 }
 
+// About where the ray is as deep as the centre: not so near as the closest approach, by the cosine with the
+// view's axis, but cheaper.
 SlimFragment slim_fragment(vec4 body[7], vec2 slope, vec3 start, float t_near) {
-    return slim_fragment(body, vec3(slope, -1.0), closest_approach_in_view(body[0].xyz - start, slope), t_near);
+    vec3 centre = body[0].xyz - start;
+    return slim_fragment(body, vec3(slope, -1.0),
+                         ClosestApproach(-centre.z, vec3(-centre.xy - slope * centre.z, 0.0)), t_near);
 }
 
 // From a point of the surface, of what is not the sheet that it lies on.
 //
 // spare  how far the start may be off the finest level
 float slim_distance(vec4 body[7], vec3 start, vec3 v, float t_near, float spare) {
-    ClosestApproach closest = closest_approach(body[0].xyz - start, v);
+    ClosestApproach near = closest_approach(body[0].xyz - start, v);
     float t = nowhere;
     for (int i = 0; i < 2; ++i) {
-        SlimFragment hit = slim_fragment(body, v, closest, t_near);
+        SlimFragment hit = slim_fragment(body, v, near, t_near);
         // Pieces of the sheet differ by two errors.
         float own = 2.0 * hit.reach + spare * hit.reach / body[3].w;
         t = t == nowhere && hit.t > own ? hit.t : t;

@@ -6,14 +6,21 @@
 
 namespace isocast {
 
+Reach height_range(const SlimPatch& patch) {
+    const auto& h = patch.height;
+    const double r = patch.radius_world;
+    const double slope = std::hypot(h[1], h[2]);
+    const double mean = (h[3] + h[5]) / 2; // of the bends, and by how much two differ from it
+    const double more = std::hypot(h[3] - h[5], h[4]) / 2;
+    return {std::max(-r, h[0] - r * (slope + r * std::max(0.0, more - mean))),
+            std::min(r, h[0] + r * (slope + r * std::max(0.0, more + mean)))};
+}
+
 double support(const SlimPatch& patch, const Vec3d& d) {
     const double r = patch.radius_world;
-    // Over the disc of radius r the height is c0 and at most so much more or less.
-    const auto& h = patch.height;
-    const double bend = 0.5 * (std::abs(h[3] + h[5]) + std::hypot(h[3] - h[5], h[4]));
-    const double spread = r * (std::hypot(h[1], h[2]) + r * bend);
+    const Reach heights = height_range(patch);
     const double along = d.dot(patch.normal);
-    const double height = along * std::clamp(h[0] + std::copysign(spread, along), -r, r);
+    const double height = along * (along > 0 ? heights.greatest : heights.least);
     double greatest = std::min(r, r * std::sqrt(std::max(0.0, 1 - along * along)) + height);
     const int planes = patch.is_any ? 0 : patch.plane_count;
     for (int k = 0; k < planes; ++k) {

@@ -12,6 +12,9 @@
 
 namespace isocast {
 
+/// Between which its heights are over the disc of its radius, as far as they are in its sphere.
+Reach height_range(const SlimPatch& patch);
+
 /// At least the greatest d . (p - centre) of its points p; d of unit length. Of what its planes
 /// keep, but not where one of two suffices.
 double support(const SlimPatch& patch, const Vec3d& d);

@@ -7,15 +7,28 @@ namespace isocast {
 
 namespace {
 
-/// The pixels of the bounding sphere's picture.
+/// The pixels of the pictures of both its sphere and the drum between its least and its greatest
+/// height, which is narrower where the piece is seen from the side.
 std::optional<PixelBox> cover_of(const SlimPatch& patch, const SplatView& view) {
     const ScreenBounds bounds =
         screen_bounds(Sphere{patch.centre_world, patch.radius_world}, view.space);
     if (bounds.extent == ScreenExtent::Nothing) return std::nullopt;
     if (bounds.extent == ScreenExtent::Everything)
         return PixelBox{-1, float(view.width) + 1, -1, float(view.height) + 1};
-    return cover_of(Eigen::AlignedBox2d(view.middle_pixels + view.pixels_per_unit * bounds.lo,
-                                        view.middle_pixels + view.pixels_per_unit * bounds.hi),
+    const Reach heights = height_range(patch);
+    const double spare = 1e-3 * patch.radius_world; // flat ones have an axis, too
+    const ScreenBounds drum = screen_bounds(
+        Cylinder{.a_world = patch.centre_world + (heights.least - spare) * patch.normal,
+                 .b_world = patch.centre_world + (heights.greatest + spare) * patch.normal,
+                 .radius_world = patch.radius_world,
+                 .is_capped = true},
+        view.space, true);
+    Eigen::AlignedBox2d box(bounds.lo, bounds.hi);
+    if (drum.extent == ScreenExtent::Rectangle)
+        box = box.intersection(Eigen::AlignedBox2d(drum.lo, drum.hi));
+    if (box.isEmpty()) return std::nullopt;
+    return cover_of(Eigen::AlignedBox2d(view.middle_pixels + view.pixels_per_unit * box.min(),
+                                        view.middle_pixels + view.pixels_per_unit * box.max()),
                     view);
 }
 

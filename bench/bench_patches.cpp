@@ -4,6 +4,7 @@
 #include "quadrics/quadratic_spline.h"
 #include "quadrics/quadrics_bench.h"
 #include "volume/analytic_fields.h"
+#include "volume/files.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -131,48 +132,64 @@ Drawn drawn(Renderer& renderer, const Camera& camera, int repeats) {
     return out;
 }
 
-/// The spline against the cubic filter, both of the same samples, and the signal itself.
-void run_isosurface(Renderer& renderer, int repeats) {
-    fmt::print("marschner-lobb at 512x512: spline and ray caster\n samples  tetrahedra  made s  "
-               "frame s (spline, rays)  MiB (spline, rays)  hits apart, voxels: median, 99 %  off "
-               "the signal: spline, rays\n");
-    const AnalyticField signal = builtin_field("marschner-lobb");
-    for (const int n : {32, 64, 128}) {
-        const std::shared_ptr<const FieldSource> field = sampled(signal, n);
-        const double voxel = field->space().voxel_size_world();
-        const auto start = std::chrono::steady_clock::now();
-        TetrahedralMesh mesh = quadratic_spline(*field, 0);
-        const double made =
-            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        const std::size_t count = mesh.tetrahedra.size();
-        renderer.load({.field = field});
-        const Camera camera = frame_box(renderer.surface_points_world(), {0.2, -0.6, 1}, 1, 30);
-        const Drawn rays = drawn(renderer, camera, repeats);
-        load(renderer, {.tetrahedra = {std::move(mesh)}});
-        const Drawn spline = drawn(renderer, camera, repeats);
-        std::vector<double> apart;
-        std::vector<double> off_spline;
-        std::vector<double> off_rays;
-        for (std::size_t i = 0; i < rays.hits.rgba.size(); i += 4) {
-            if (rays.hits.rgba[i + 3] == 0 || spline.hits.rgba[i + 3] == 0) continue;
-            const auto at = [&](const Image& hits) {
-                return Vec3d(Eigen::Map<const Eigen::Vector3f>(&hits.rgba[i]).cast<double>());
-            };
-            const auto off = [&](const Image& hits) {
-                const Jet jet = signal.jet(camera.eye_world + at(hits));
-                return std::abs(jet.value) / jet.gradient.norm() / voxel;
-            };
-            apart.push_back((at(rays.hits) - at(spline.hits)).norm() / voxel);
-            off_spline.push_back(off(spline.hits));
-            off_rays.push_back(off(rays.hits));
-        }
-        std::ranges::sort(apart);
-        fmt::print("{:>8} {:>11} {:>7.2f} {:>9.3f} {:>7.3f} {:>11.1f} {:>7.1f} {:>13.4f} {:>9.4f} "
-                   "{:>13.4f} {:>8.4f}\n",
-                   n, count, made, spline.seconds, rays.seconds, spline.mib, rays.mib,
-                   apart[apart.size() / 2], apart[apart.size() * 99 / 100], median(off_spline),
-                   median(off_rays));
+/// The spline against the cubic filter, both of the same samples, and the signal itself if that is
+/// known.
+void compare_isosurface(Renderer& renderer, const std::string& name,
+                        const std::shared_ptr<const FieldSource>& field, double iso,
+                        const AnalyticField* signal, int repeats) {
+    const double voxel = field->space().voxel_size_world();
+    const auto start = std::chrono::steady_clock::now();
+    TetrahedralMesh mesh = quadratic_spline(*field, iso);
+    const double made =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const std::size_t count = mesh.tetrahedra.size();
+    renderer.load({.field = field, .iso_world = iso});
+    const Camera camera = frame_box(renderer.surface_points_world(), {0.2, -0.6, 1}, 1, 30);
+    const Drawn rays = drawn(renderer, camera, repeats);
+    load(renderer, {.tetrahedra = {std::move(mesh)}});
+    const Drawn spline = drawn(renderer, camera, repeats);
+    std::vector<double> apart;
+    std::vector<double> off_spline;
+    std::vector<double> off_rays;
+    std::size_t one_alone = 0;
+    for (std::size_t i = 0; i < rays.hits.rgba.size(); i += 4) {
+        const bool is_hit = rays.hits.rgba[i + 3] != 0;
+        one_alone += is_hit != (spline.hits.rgba[i + 3] != 0) ? 1 : 0;
+        if (!is_hit || spline.hits.rgba[i + 3] == 0) continue;
+        const auto at = [&](const Image& hits) {
+            return Vec3d(Eigen::Map<const Eigen::Vector3f>(&hits.rgba[i]).cast<double>());
+        };
+        apart.push_back((at(rays.hits) - at(spline.hits)).norm() / voxel);
+        if (signal == nullptr) continue;
+        const auto off = [&](const Image& hits) {
+            const Jet jet = signal->jet(camera.eye_world + at(hits));
+            return std::abs(jet.value) / jet.gradient.norm() / voxel;
+        };
+        off_spline.push_back(off(spline.hits));
+        off_rays.push_back(off(rays.hits));
     }
+    std::ranges::sort(apart);
+    fmt::print("{} {} {:.2f} {:.3f} {:.3f} {:.1f} {:.1f} {:.4f} {:.4f} {:.2f}", name, count, made,
+               spline.seconds, rays.seconds, spline.mib, rays.mib, apart[apart.size() / 2],
+               apart[apart.size() * 99 / 100],
+               100 * double(one_alone) / double(apart.size() + one_alone));
+    if (signal != nullptr) fmt::print(" {:.4f} {:.4f}", median(off_spline), median(off_rays));
+    fmt::print("\n");
+}
+
+void run_isosurface(Renderer& renderer, const std::vector<std::string>& volumes, double iso,
+                    int repeats) {
+    fmt::print(
+        "isosurfaces at 512x512, spline and ray caster: tetrahedra, seconds to make; seconds "
+        "a frame of both; MiB of both; voxels between their hits, median and 99 %; % of "
+        "pixels that one alone hits; voxels off a known signal, both\n");
+    const AnalyticField signal = builtin_field("marschner-lobb");
+    for (const int n : {32, 64, 128})
+        compare_isosurface(renderer, fmt::format("marschner-lobb@{}", n), sampled(signal, n), 0,
+                           &signal, repeats);
+    for (const std::string& path : volumes)
+        compare_isosurface(renderer, std::filesystem::path(path).filename().string(),
+                           read_field(path), iso, nullptr, repeats);
 }
 
 } // namespace
@@ -181,14 +198,18 @@ int main(int argc, char** argv) try {
     CLI::App app("What patches and quadrics in tetrahedra cost");
     int repeats = 3;
     std::string only;
+    std::vector<std::string> volumes;
+    double iso = 0;
     app.add_option("--repeats", repeats);
     app.add_option("--only", only, "patches, table-3 or isosurface");
+    app.add_option("VOLUME", volumes, "Fields from files, for isosurface");
+    app.add_option("--iso", iso, "Theirs");
     CLI11_PARSE(app, argc, argv);
     const auto context = gl::make_context({.backend = gl::Backend::Osmesa});
     Renderer renderer(*context, std::filesystem::path(ISOCAST_SOURCE_DIR) / "shaders");
     if (only.empty() || only == "patches") run_patches(renderer, repeats);
     if (only.empty() || only == "table-3") run_table_3(renderer, repeats);
-    if (only.empty() || only == "isosurface") run_isosurface(renderer, repeats);
+    if (only.empty() || only == "isosurface") run_isosurface(renderer, volumes, iso, repeats);
     return 0;
 } catch (const std::exception& error) {
     fmt::print(stderr, "bench_patches: {}\n", error.what());

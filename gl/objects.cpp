@@ -306,6 +306,12 @@ VertexArray VertexArray::without_attributes(std::string_view label) {
     return array;
 }
 
+VertexArray VertexArray::indexed(const Buffer& indices, std::string_view label) {
+    VertexArray array = without_attributes(label);
+    glVertexArrayElementBuffer(array.handle_.id(), indices.id());
+    return array;
+}
+
 VertexArray VertexArray::instanced_ivec4(const Buffer& records, std::string_view label) {
     VertexArray array = without_attributes(label);
     const unsigned id = array.handle_.id();

@@ -173,6 +173,8 @@ public:
     VertexArray() = default;
     /// No attributes: the vertex shader makes its vertices from gl_VertexID.
     static VertexArray without_attributes(std::string_view label);
+    /// The same, in the order of `indices` of 16 bits.
+    static VertexArray indexed(const Buffer& indices, std::string_view label);
     /// Attribute 0: an ivec4 for each instance, tightly packed.
     static VertexArray instanced_ivec4(const Buffer& records, std::string_view label);
     /// Attributes 0, 1, …: 16 bytes each, one after the other, for each instance; vertices by

@@ -19,9 +19,9 @@ using Defines = std::map<std::string, std::string>;
 
 constexpr unsigned normals_unit = 14; // of shaders/quadrics/triangle_normals.glsl
 
-/// Of a splat: two triangles make a rectangle.
+/// Of a splat: rectangles' two triangles share two.
 constexpr int vertex_count(SplatKind kind) {
-    return kind == SplatKind::Triangle ? 3 : 6;
+    return kind == SplatKind::Triangle ? 3 : 4;
 }
 
 /// kinds  by bits
@@ -160,9 +160,18 @@ void draw_splats_of_kind(
                                                      2 / static_cast<float>(frame.part.height)));
     prepare(program, of_kind);
     of_kind.records.texture.bind_to_unit(0);
-    frame.no_vertices.bind();
     program.use();
-    glDrawArrays(GL_TRIANGLES, 0, vertex_count(of_kind.kind) * of_kind.count);
+    if (vertex_count(of_kind.kind) == 3) {
+        frame.no_vertices.bind();
+        glDrawArrays(GL_TRIANGLES, 0, 3 * of_kind.count);
+        return;
+    }
+    const RectanglesOnGpu& rectangles = frame.seen.splats->of_scene->rectangles;
+    rectangles.array.bind();
+    for (int first = 0; first < of_kind.count; first += rectangles.count)
+        glDrawElementsBaseVertex(GL_TRIANGLES,
+                                 6 * std::min(rectangles.count, of_kind.count - first),
+                                 GL_UNSIGNED_SHORT, nullptr, 4 * first);
 }
 
 float depth_unit_of(const FrameContext& frame) {

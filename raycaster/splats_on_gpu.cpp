@@ -93,11 +93,25 @@ std::vector<Eigen::Vector4f> normals_of(const Primitives& primitives) {
 
 } // namespace
 
+RectanglesOnGpu::RectanglesOnGpu(std::size_t at_most)
+    : count(static_cast<int>(std::min(at_most, std::size_t{1} << 14))) {
+    std::vector<std::uint16_t> order;
+    order.reserve(6 * static_cast<std::size_t>(count));
+    for (int i = 0; i < count; ++i)
+        for (const int corner : {0, 1, 2, 2, 1, 3})
+            order.push_back(static_cast<std::uint16_t>(4 * i + corner));
+    indices = {std::as_bytes(std::span(order)), "rectangles"};
+    array = gl::VertexArray::indexed(indices, "rectangles");
+}
+
 PrimitivesOnGpu::PrimitivesOnGpu(const Primitives& primitives)
     : first_slim(static_cast<int>(primitives.solid_count() + primitives.mesh_count() -
                                   primitives.slims.size())),
       are_sticks(primitives.cones.empty() &&
                  std::ranges::none_of(primitives.cylinders, &Cylinder::is_capped)) {
+    // Meshes of triangles have none.
+    if (const std::size_t drawn = primitives.count() - primitives.triangle_count(); drawn > 0)
+        rectangles = RectanglesOnGpu(drawn);
     const std::vector<Eigen::Vector4f> all_colours = colours_of(primitives);
     colours = {std::as_bytes(std::span(all_colours)), gl::Format::Rgba32f, "colours of primitives"};
     if (have_half_colours(primitives)) // those of halves follow all others, from the first stick on

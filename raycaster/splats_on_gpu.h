@@ -16,6 +16,18 @@ double pixels_per_unit(const Camera& camera, int height);
 /// With unit normals, that near the viewer among them.
 std::vector<CutPlane> planes_of(const Cut& cut, const Camera& viewer);
 
+/// The order of rectangles' corners: four vertices each, for two triangles, are a third fewer to
+/// shade than six.
+struct RectanglesOnGpu {
+    RectanglesOnGpu() = default;
+    /// count  at least 1; more than 2^14, whose vertices have indices of 16 bits, take many draws
+    explicit RectanglesOnGpu(std::size_t count);
+
+    int count = 0; // of one draw
+    gl::Buffer indices;
+    gl::VertexArray array;
+};
+
 /// What a scene's primitives keep on the GPU, wherever they are seen from.
 struct PrimitivesOnGpu {
     PrimitivesOnGpu() = default;
@@ -24,12 +36,14 @@ struct PrimitivesOnGpu {
 
     NumbersOnGpu colours;          // by the numbers of splats_of(); then of the halves at b
     NumbersOnGpu triangle_normals; // of all corners, if any mesh has normals
-    int first_slim = 0;            // colour of the first SLIM surface
-    int to_half_colours = 0;       // from a stick's colour to that of its half at b, if any has two
-    bool are_sticks = false;       // of SplatKind::Cone all are open cylinders
+    RectanglesOnGpu rectangles;
+    int first_slim = 0;      // colour of the first SLIM surface
+    int to_half_colours = 0; // from a stick's colour to that of its half at b, if any has two
+    bool are_sticks = false; // of SplatKind::Cone all are open cylinders
 
     std::int64_t byte_count() const {
-        return colours.buffer.byte_count() + triangle_normals.buffer.byte_count();
+        return colours.buffer.byte_count() + triangle_normals.buffer.byte_count() +
+               rectangles.indices.byte_count();
     }
 };
 

@@ -1,9 +1,10 @@
-// A rectangle of pixels for each splat, as two triangles, or a triangle around it. No vertex
-// attributes: drawn as instances, software rasterisers shade four vertices at a time.
+// A rectangle of pixels for each splat, as two triangles of four vertices (raycaster/splats_on_gpu.h), or a
+// triangle around it. No vertex attributes: drawn as instances, software rasterisers shade four vertices at a
+// time.
 // SPDX-License-Identifier: MPL-2.0
 #version 450 core
 // KIND: quadrics/splats.h, SplatKind; FLOATS4: of a splat, by four; PLACE4: of its place;
-// VERTICES: 6 for two triangles, 3 for one.
+// VERTICES: 4 for two triangles, 3 for one.
 
 layout(binding = 0) uniform samplerBuffer t_records; // of this kind
 uniform vec2 u_clip_from_pixel;                      // 2 / size of the part, per axis
@@ -26,9 +27,7 @@ flat out vec3 v_colour_b;
 
 void main() {
     int splat = gl_VertexID / VERTICES;
-    // 0 1 2, 2 1 3: corners x0y0, x1y0, x0y1, x1y1.
-    int corner = gl_VertexID % VERTICES;
-    corner = corner < 3 ? corner : corner == 3 ? 2 : corner == 4 ? 1 : 3;
+    int corner = gl_VertexID % VERTICES; // x0y0, x1y0, x0y1, x1y1
     vec2 side = vec2(corner & 1, corner >> 1);
     vec4 first = texelFetch(t_records, FLOATS4 * splat);
     vec2 side_a = KIND == 0 ? vec2(first.z, 0.0) : first.zw;

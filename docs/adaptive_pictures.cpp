@@ -40,7 +40,7 @@ Image cells_of(const HashedOctree& tree, const Square& square, int width,
         return false;
     };
     const auto value_at = [&](const Vec3d& p) { return double{tree.value_at(p)}; };
-    Slice slice({Index3::Zero(), {width, width, 1}});
+    SliceCanvas slice({Index3::Zero(), {width, width, 1}});
     for (int y = 0; y < width; ++y)
         for (int x = 0; x < width; ++x) {
             const OctreeCell leaf = tree.leaf_at(point(x, y));

@@ -79,7 +79,7 @@ IndexBox slice_box(const CheckedMesh& mesh, double voxel, double z_world, int wi
     return {lo, lo + Index3(width, width, 1)};
 }
 
-void draw(const FieldSource& field, double voxel, double background_voxels, Slice& slice) {
+void draw(const FieldSource& field, double voxel, double background_voxels, SliceCanvas& slice) {
     std::vector<float> values(static_cast<std::size_t>(slice.box().sample_count()));
     field.copy_box(slice.box(), 0, values);
     const int width = slice.box().size().x();
@@ -101,10 +101,10 @@ void write_field_slices(const CheckedMesh& mesh, double z_world,
         .voxel_size_world = voxel_size_for_resolution(bounding_box(mesh.mesh), width * 9 / 10),
         .half_width_voxels = 12};
     const double voxel = options.voxel_size_world;
-    Slice band(slice_box(mesh, voxel, z_world, width));
+    SliceCanvas band(slice_box(mesh, voxel, z_world, width));
     draw(convert(mesh, options).field, voxel, options.half_width_voxels, band);
 
-    Slice full(band.box());
+    SliceCanvas full(band.box());
     const LatticeMesh lattice = on_lattice(mesh.mesh, voxel, options.half_width_voxels);
     const KdDenseResult dense =
         dense_distances(lattice, mesh.topology, KdTree(lattice.mesh), {.box = full.box()});
@@ -130,7 +130,7 @@ void write_voronoi_slice(const CheckedMesh& mesh, double z_world,
         .half_width_voxels = 28,
         .closest = true};
     const ConvertResult result = convert(mesh, options);
-    Slice slice(slice_box(mesh, options.voxel_size_world, z_world, width));
+    SliceCanvas slice(slice_box(mesh, options.voxel_size_world, z_world, width));
     for (std::size_t b = 0; b < result.closest.size(); ++b) {
         const FieldBlock& block = result.field.blocks()[b];
         for (int i = 0; i < samples_per_block; ++i) {

@@ -71,7 +71,7 @@ private:
     }
     Vec3d lo_;
     Vec3d scale_; // pixels per unit
-    Slice slice_;
+    SliceCanvas slice_;
 };
 
 /// Thesis figure 4.11: what each method makes of five points of a circle with their normals.

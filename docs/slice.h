@@ -12,9 +12,9 @@ namespace isocast {
 using Colour = Eigen::Vector3f; // sRGB
 
 /// A canvas over the samples `box`, which is one sample thick in z, with y upwards.
-class Slice {
+class SliceCanvas {
 public:
-    explicit Slice(const IndexBox& box)
+    explicit SliceCanvas(const IndexBox& box)
         : box_(box), image_{.width = box.size().x(), .height = box.size().y(), .rgba = {}} {
         image_.rgba.assign(4 * static_cast<std::size_t>(box.sample_count()), 1.0f);
     }

@@ -38,7 +38,8 @@ HeightFit::Vector6 HeightFit::basis_of(const Vec3d& q) {
 
 void HeightFit::add(const Vec3d& q, double weight) {
     const Vector6 basis = basis_of(q);
-    sum_.noalias() += weight * basis * basis.transpose();
+    for (Eigen::Index j = 0; j < 6; ++j) // the lower half, which is all that is solved
+        sum_.col(j).tail(6 - j) += weight * basis[j] * basis.tail(6 - j);
     right_ += weight * q.z() * basis;
 }
 

@@ -69,24 +69,23 @@ SlimFitter::SlimFitter(const SlimMesh& mesh)
 void SlimFitter::add_leaves(std::size_t triangle, const Mat3d& corners_barycentric,
                             double bow_world, const Vec3d& centre_world, double radius_world) {
     const Mat3d& l = corners_barycentric;
-    Mat3d middles;
+    const auto at = [&](const Mat3d& places, std::size_t k) -> Vec3d {
+        return mesh_.point(triangle, places.col(static_cast<Eigen::Index>(k))) - centre_world;
+    };
     Leaf leaf{.spare_world = mesh_.spare_world(triangle)};
-    Vec3d sum = Vec3d::Zero();
+    for (std::size_t k = 0; k < 3; ++k) leaf.corners[k] = at(l, k);
+    const Vec3d middle = (leaf.corners[0] + leaf.corners[1] + leaf.corners[2]) / 3;
     double longest2 = 0;
-    for (int k = 0; k < 3; ++k) {
-        const auto to = static_cast<std::size_t>(k);
-        middles.col(k) = (l.col(k) + l.col((k + 1) % 3)) / 2;
-        leaf.corners[to] = mesh_.point(triangle, l.col(k)) - centre_world;
-        leaf.middles[to] = mesh_.point(triangle, middles.col(k)) - centre_world;
-        sum += leaf.corners[to];
-    }
     double reach2 = 0;
     for (std::size_t k = 0; k < 3; ++k) {
-        reach2 = std::max(reach2, (leaf.corners[k] - sum / 3).squaredNorm());
+        reach2 = std::max(reach2, (leaf.corners[k] - middle).squaredNorm());
         longest2 = std::max(longest2, (leaf.corners[(k + 1) % 3] - leaf.corners[k]).squaredNorm());
     }
-    if ((sum / 3).norm() - std::sqrt(reach2) - bow_world >= radius_world) return;
+    if (middle.norm() - std::sqrt(reach2) - bow_world >= radius_world) return;
+    Mat3d middles;
+    for (int k = 0; k < 3; ++k) middles.col(k) = (l.col(k) + l.col((k + 1) % 3)) / 2;
     if (longest2 <= leaf_share * leaf_share * radius_world * radius_world) {
+        for (std::size_t k = 0; k < 3; ++k) leaf.middles[k] = at(middles, k);
         leaves_.push_back(leaf);
         return;
     }

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace {
@@ -123,15 +124,19 @@ double run_frames(Renderer& renderer, const std::vector<std::string>& paths, dou
         const std::size_t pieces = surface.patch_count();
         if (!surface.is_closed)
             throw std::runtime_error(path + ": open, so that nothing is culled");
-        double large[2], small[2], tiny[2];
-        for (const bool culls : {true, false}) {
-            surface.is_closed = culls;
-            renderer.load(
-                {.primitives = std::make_shared<Primitives>(Primitives{.slims = {surface}})});
-            large[culls] = seconds_of(renderer, 1280, 1024, repeats);
-            small[culls] = seconds_of(renderer, 512, 512, repeats);
-            tiny[culls] = seconds_of(renderer, 2, 2, repeats);
-        }
+        std::array<std::vector<double>, 2> of_large, of_small, of_tiny;
+        for (int round = 0; round < 5; ++round) // in turn: machines do not stay as fast
+            for (const bool culls : {true, false}) {
+                surface.is_closed = culls;
+                renderer.load(
+                    {.primitives = std::make_shared<Primitives>(Primitives{.slims = {surface}})});
+                of_large[culls].push_back(seconds_of(renderer, 1280, 1024, repeats));
+                of_small[culls].push_back(seconds_of(renderer, 512, 512, repeats));
+                of_tiny[culls].push_back(seconds_of(renderer, 2, 2, repeats));
+            }
+        const std::array large{median(of_large[0]), median(of_large[1])};
+        const std::array small{median(of_small[0]), median(of_small[1])};
+        const std::array tiny{median(of_tiny[0]), median(of_tiny[1])};
         pieces_per_us = 1e-6 * double(pieces) / tiny[1];
         fmt::print(
             "{} {} {:.2f} {:.2f} {:.2f} {:.2f} {:.2f}\n  culling: {:.2f} and {:.2f} times as "
@@ -146,7 +151,7 @@ double run_frames(Renderer& renderer, const std::vector<std::string>& paths, dou
 
 int main(int argc, char** argv) try {
     CLI::App app("What SLIM surfaces cost");
-    int repeats = 15;
+    int repeats = 9;
     std::vector<std::string> paths;
     double max_error_share = 1e-3;
     app.add_option("MESH", paths, "Closed meshes");

@@ -7,26 +7,32 @@ namespace isocast {
 
 namespace {
 
-/// The pixels of the pictures of both its sphere and the drum between its least and its greatest
-/// height, which is narrower where the piece is seen from the side.
-std::optional<PixelBox> cover_of(const SlimPatch& patch, const SplatView& view) {
-    const ScreenBounds bounds =
-        screen_bounds(Sphere{patch.centre_world, patch.radius_world}, view.space);
-    if (bounds.extent == ScreenExtent::Nothing) return std::nullopt;
-    if (bounds.extent == ScreenExtent::Everything)
-        return PixelBox{-1, float(view.width) + 1, -1, float(view.height) + 1};
+/// Between its least and its greatest height over its disc.
+Cylinder drum_around(const SlimPatch& patch) {
     const Reach heights = height_range(patch);
     const double spare = 1e-3 * patch.radius_world; // flat ones have an axis, too
-    const ScreenBounds drum = screen_bounds(
-        Cylinder{.a_world = patch.centre_world + (heights.least - spare) * patch.normal,
-                 .b_world = patch.centre_world + (heights.greatest + spare) * patch.normal,
-                 .radius_world = patch.radius_world,
-                 .is_capped = true},
-        view.space, true);
-    Eigen::AlignedBox2d box(bounds.lo, bounds.hi);
-    if (drum.extent == ScreenExtent::Rectangle)
-        box = box.intersection(Eigen::AlignedBox2d(drum.lo, drum.hi));
-    if (box.isEmpty()) return std::nullopt;
+    return {.a_world = patch.centre_world + (heights.least - spare) * patch.normal,
+            .b_world = patch.centre_world + (heights.greatest + spare) * patch.normal,
+            .radius_world = patch.radius_world,
+            .is_capped = true};
+}
+
+/// The pixels of the pictures of both its sphere and its drum, which is narrower where the piece is
+/// seen from the side.
+std::optional<PixelBox> cover_of(const SlimPatch& patch, const SplatView& view) {
+    constexpr double few_pixels = 4; // that are drawn sooner than bounded
+    const ScreenBounds ball =
+        screen_bounds(Sphere{patch.centre_world, patch.radius_world}, view.space);
+    if (ball.extent == ScreenExtent::Nothing) return std::nullopt;
+    if (ball.extent == ScreenExtent::Everything)
+        return PixelBox{-1, float(view.width) + 1, -1, float(view.height) + 1};
+    Eigen::AlignedBox2d box(ball.lo, ball.hi);
+    if (view.pixels_per_unit * box.sizes().maxCoeff() > few_pixels) {
+        const ScreenBounds drum = screen_bounds(drum_around(patch), view.space, true);
+        if (drum.extent == ScreenExtent::Rectangle)
+            box = box.intersection(Eigen::AlignedBox2d(drum.lo, drum.hi));
+        if (box.isEmpty()) return std::nullopt;
+    }
     return cover_of(Eigen::AlignedBox2d(view.middle_pixels + view.pixels_per_unit * box.min(),
                                         view.middle_pixels + view.pixels_per_unit * box.max()),
                     view);

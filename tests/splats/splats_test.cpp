@@ -26,5 +26,18 @@ TEST_F(Splat, OfEveryKindIsWhatTheRaysMeet) {
     }
 }
 
+// raycaster/splats_on_gpu.h: a draw takes 2^14 rectangles at most.
+TEST_F(Splat, OfManyTakesManyDraws) {
+    constexpr int side = 200;
+    Primitives primitives;
+    for (int i = 0; i < side * side; ++i)
+        primitives.spheres.push_back(
+            {.centre_world = {i % side * 0.015 - 1.5, i / side * 0.015 - 1.5, 0},
+             .radius_world = 0.007});
+    const Judgement judgement = judge(renderer, primitives, camera, 200, 200);
+    EXPECT_EQ(judgement.wrong, 0) << testing::PrintToString(judgement.pixels);
+    EXPECT_GT(judgement.seen, 10000);
+}
+
 } // namespace
 } // namespace isocast::test

@@ -22,6 +22,7 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <random>
 #include <string>
 
 namespace {
@@ -234,6 +235,60 @@ Shape finished(Shape shape) {
     return shape;
 }
 
+/// Rays against the normals of random points of the flat triangles: whether any passes between
+/// pieces, and how far all hits are off these triangles.
+void cast_rays(const Shape& shape) {
+    Surface mesh;
+    for (const Vec3d& p : shape.mesh.vertices_world) mesh.add_vertex({p.x(), p.y(), p.z()});
+    for (const auto& [a, b, c] : shape.mesh.triangles)
+        mesh.add_face(Surface::Vertex_index(static_cast<Surface::size_type>(a)),
+                      Surface::Vertex_index(static_cast<Surface::size_type>(b)),
+                      Surface::Vertex_index(static_cast<Surface::size_type>(c)));
+    Tree tree(faces(mesh).begin(), faces(mesh).end(), mesh);
+    tree.accelerate_distance_queries();
+    fmt::print("{}: error, patches, cut by planes, off by more; s; rays missed, hits; off, by the "
+               "error: median, 99 %, greatest, above 1\n",
+               shape.name);
+    for (const double share : {1e-3, 1e-4}) {
+        const double error = share * shape.diagonal_world;
+        std::vector<SlimReport> reports;
+        const SlimSurface surface = slim_of(shape.mesh, {.max_error_world = error}, reports);
+        double seconds = 0;
+        for (const SlimReport& report : reports) seconds += report.seconds;
+        constexpr std::size_t count = 1000;
+        const double reach = 20 * error; // triangles bow by up to ten at fine errors
+        std::vector<std::vector<double>> off(count);
+        tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+            std::mt19937_64 random(i);
+            const auto some = [&] { return std::uniform_real_distribution<>(0, 1)(random); };
+            const auto& corners = shape.mesh.triangles[random() % shape.mesh.triangles.size()];
+            const auto at = [&](std::size_t k) -> const Vec3d& {
+                return shape.mesh.vertices_world[static_cast<std::size_t>(corners[k])];
+            };
+            const double u = std::sqrt(some());
+            const double v = some();
+            const Vec3d p = (1 - u) * at(0) + u * ((1 - v) * at(1) + v * at(2));
+            const Vec3d n = (at(1) - at(0)).cross(at(2) - at(0)).normalized();
+            for (const SlimPatch& patch : surface.levels.front().patches)
+                for (const SlimHit& hit : intersect(patch, p + reach * n, -n, true)) {
+                    if (hit.t > 2 * reach) continue;
+                    const Vec3d q = p + (reach - hit.t) * n;
+                    off[i].push_back(std::sqrt(tree.squared_distance({q.x(), q.y(), q.z()})) /
+                                     error);
+                }
+        });
+        std::vector<double> all;
+        for (const std::vector<double>& one : off) all.insert(all.end(), one.begin(), one.end());
+        std::ranges::sort(all);
+        fmt::print("{:.0e} {} {} {} {:.1f} {} {} {:.3f} {:.1f} {:.1f} {}\n", share,
+                   surface.levels.front().patches.size(), reports.front().with_planes,
+                   reports.front().over_bound, seconds,
+                   std::ranges::count_if(off, &std::vector<double>::empty), all.size(),
+                   all[all.size() / 2], all[all.size() * 99 / 100], all.back(),
+                   std::ranges::count_if(all, [](double d) { return d > 1; }));
+    }
+}
+
 /// A grid that wraps around in i, and in j unless it has poles.
 Shape torus() {
     Shape shape{.name = "torus"};
@@ -311,8 +366,13 @@ Shape scan(const std::string& path) {
 
 } // namespace
 
+/// bench_slim [MESH...]; bench_slim rays MESH...
 int main(int argc, char** argv) {
-    compare(sphere());
-    compare(torus());
-    for (int i = 1; i < argc; ++i) compare(scan(argv[i]));
+    const bool casts = argc > 1 && std::string(argv[1]) == "rays";
+    if (!casts) {
+        compare(sphere());
+        compare(torus());
+    }
+    for (int i = casts ? 2 : 1; i < argc; ++i)
+        casts ? cast_rays(scan(argv[i])) : compare(scan(argv[i]));
 }

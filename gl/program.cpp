@@ -204,7 +204,9 @@ const Program& ShaderLibrary::program(const ProgramKey& key) {
         throw GlError(fmt::format("program {} does not link:\n{}", describe(key), log));
     }
     const std::string name = describe(key);
-    glObjectLabel(GL_PROGRAM, handle.id(), static_cast<GLsizei>(name.size()), name.c_str());
+    constexpr std::size_t longest = 255; // that every GL takes
+    glObjectLabel(GL_PROGRAM, handle.id(), static_cast<GLsizei>(std::min(name.size(), longest)),
+                  name.c_str());
     return programs_.emplace(key, Program(std::move(handle), name)).first->second;
 }
 

@@ -3,6 +3,7 @@
 #include "distance_transform/convert.h"
 #include "distance_transform/kd_dense.h"
 #include "distance_transform/mesh_files.h"
+#include "median.h"
 #include "volume/vdb_grid.h"
 
 #include <CLI/CLI.hpp>
@@ -21,11 +22,6 @@
 namespace {
 
 using namespace isocast;
-
-double median(std::vector<double> values) {
-    std::ranges::nth_element(values, values.begin() + std::ssize(values) / 2);
-    return values[values.size() / 2];
-}
 
 using Clock = std::chrono::steady_clock;
 

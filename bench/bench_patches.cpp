@@ -5,22 +5,17 @@
 #include "quadrics/quadrics_bench.h"
 #include "volume/analytic_fields.h"
 #include "volume/files.h"
+#include "volume/stopwatch.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 namespace {
 
 using namespace isocast;
-
-double median(std::vector<double> values) {
-    std::ranges::nth_element(values, values.begin() + std::ssize(values) / 2);
-    return values[values.size() / 2];
-}
 
 Camera framed(Renderer& renderer, int w, int h) {
     return frame_box(renderer.surface_points_world(), {0.3, 0.4, 1}, double(w) / h, 30);
@@ -138,10 +133,9 @@ void compare_isosurface(Renderer& renderer, const std::string& name,
                         const std::shared_ptr<const FieldSource>& field, double iso,
                         const AnalyticField* signal, int repeats) {
     const double voxel = field->space().voxel_size_world();
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch time;
     TetrahedralMesh mesh = quadratic_spline(*field, iso);
-    const double made =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const double made = time.seconds();
     const std::size_t count = mesh.tetrahedra.size();
     renderer.load({.field = field, .iso_world = iso});
     const Camera camera = frame_box(renderer.surface_points_world(), {0.2, -0.6, 1}, 1, 30);

@@ -1,6 +1,7 @@
 // Skins of molecules beside their solvent-excluded surfaces as fields: what each takes, and how far
 // they are apart.
 // SPDX-License-Identifier: MPL-2.0
+#include "filtering/reconstruct.h"
 #include "quadrics/molecular_surface.h"
 #include "quadrics/molecule_styles.h"
 #include "quadrics/quadrics_bench.h"
@@ -18,20 +19,6 @@ namespace {
 using namespace isocast;
 
 constexpr int size = 512; // of pictures [pixels]
-
-/// Between samples by their eight neighbours.
-double value_at(const FieldSource& field, const Vec3d& p_world) {
-    const Vec3d p = field.space().to_index(p_world);
-    const Index3 first = p.array().floor().cast<int>();
-    const Vec3d s = p - first.cast<double>();
-    std::array<float, 8> corners;
-    field.copy_box({first, first + Index3::Constant(2)}, 0, corners);
-    double sum = 0;
-    for (std::size_t i = 0; i < 8; ++i)
-        sum += (i & 1 ? s.x() : 1 - s.x()) * (i & 2 ? s.y() : 1 - s.y()) *
-               (i & 4 ? s.z() : 1 - s.z()) * corners[i];
-    return sum;
-}
 
 struct Seen {
     std::vector<Vec3d> hits_world;
@@ -64,7 +51,8 @@ Seen seen(Renderer& renderer, int repeats) {
 void print_off(const FieldSource& field, const std::vector<Vec3d>& hits_world) {
     std::vector<double> off;
     double sum = 0;
-    for (const Vec3d& p : hits_world) off.push_back(value_at(field, p));
+    for (const Vec3d& p : hits_world)
+        off.push_back(kernel_value(field, field.space().to_index(p), Kernel::Linear));
     for (const double d : off) sum += d * d;
     std::ranges::sort(off);
     const auto at = [&](double share) {

@@ -3,17 +3,13 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "distance_transform/checked_mesh.h"
 #include "distance_transform/mesh_files.h"
+#include "distance_transform/point_cloud.h"
 #include "quadrics/slim_cover.h"
+#include "slim/edge_collapse.h"
 
 #include <CGAL/AABB_face_graph_triangle_primitive.h>
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>
-#include <CGAL/Simple_cartesian.h>
-#include <CGAL/Surface_mesh.h>
-#include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/Count_stop_predicate.h>
-#include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/LindstromTurk_cost.h>
-#include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/LindstromTurk_placement.h>
-#include <CGAL/Surface_mesh_simplification/edge_collapse.h>
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
@@ -29,7 +25,7 @@ namespace {
 
 using namespace isocast;
 using Kernel = CGAL::Simple_cartesian<double>;
-using Surface = CGAL::Surface_mesh<Kernel::Point_3>;
+using Surface = CollapsibleMesh;
 using Tree =
     CGAL::AABB_tree<CGAL::AABB_traits<Kernel, CGAL::AABB_face_graph_triangle_primitive<Surface>>>;
 
@@ -153,25 +149,14 @@ struct Simplified {
 };
 /// Edges collapsed by Lindstrom and Turk's cost and placement, on and on.
 std::vector<Simplified> simplified(const Shape& shape) {
-    Surface mesh;
-    for (const Vec3d& p : shape.mesh.vertices_world) mesh.add_vertex({p.x(), p.y(), p.z()});
-    std::size_t lost = 0;
-    for (const auto& [a, b, c] : shape.mesh.triangles) {
-        const auto vertex = [](int i) {
-            return Surface::Vertex_index(static_cast<Surface::size_type>(i));
-        };
-        lost += mesh.add_face(vertex(a), vertex(b), vertex(c)) == Surface::null_face() ? 1 : 0;
-    }
-    if (lost > 0) fmt::print("  {} triangles are not manifold\n", lost);
-    namespace sms = CGAL::Surface_mesh_simplification;
+    Surface mesh = collapsible(shape.mesh);
+    if (const std::size_t lost = shape.mesh.triangles.size() - mesh.num_faces(); lost > 0)
+        fmt::print("  {} triangles are not manifold\n", lost);
     std::vector<Simplified> all;
     for (double share = 0.71; mesh.num_faces() > 150; share *= 0.71) {
         const auto edges = static_cast<std::size_t>(
             1.5 * share * static_cast<double>(shape.mesh.triangles.size()));
-        sms::edge_collapse(mesh, sms::Count_stop_predicate<Surface>(edges),
-                           CGAL::parameters::get_cost(sms::LindstromTurk_cost<Surface>())
-                               .get_placement(sms::LindstromTurk_placement<Surface>()));
-        mesh.collect_garbage();
+        collapse_edges(mesh, edges);
         all.push_back({static_cast<double>(mesh.num_faces()), errors_of(shape, mesh)});
         if (static_cast<double>(mesh.num_edges()) > 1.1 * static_cast<double>(edges)) break;
     }
@@ -238,12 +223,7 @@ Shape finished(Shape shape) {
 /// Rays against the normals of random points of the flat triangles: whether any passes between
 /// pieces, and how far all hits are off these triangles.
 void cast_rays(const Shape& shape) {
-    Surface mesh;
-    for (const Vec3d& p : shape.mesh.vertices_world) mesh.add_vertex({p.x(), p.y(), p.z()});
-    for (const auto& [a, b, c] : shape.mesh.triangles)
-        mesh.add_face(Surface::Vertex_index(static_cast<Surface::size_type>(a)),
-                      Surface::Vertex_index(static_cast<Surface::size_type>(b)),
-                      Surface::Vertex_index(static_cast<Surface::size_type>(c)));
+    const Surface mesh = collapsible(shape.mesh);
     Tree tree(faces(mesh).begin(), faces(mesh).end(), mesh);
     tree.accelerate_distance_queries();
     fmt::print("{}: error, patches, cut by planes, off by more; s; rays missed, hits; off, by the "
@@ -346,21 +326,8 @@ Shape scan(const std::string& path) {
     const CheckedMesh read = check(read_mesh(path));
     Shape shape{
         .name = path,
-        .mesh = {.vertices_world = read.mesh.vertices_world, .triangles = read.mesh.triangles}};
-    shape.normals.assign(shape.mesh.vertices_world.size(), Vec3d::Zero());
-    for (const auto& triangle : shape.mesh.triangles)
-        for (std::size_t k = 0; k < 3; ++k) {
-            const auto at = [&](std::size_t corner) -> const Vec3d& {
-                return shape.mesh
-                    .vertices_world[static_cast<std::size_t>(triangle[(k + corner) % 3])];
-            };
-            const Vec3d a = at(1) - at(0);
-            const Vec3d b = at(2) - at(0);
-            const Vec3d n = a.cross(b);
-            shape.normals[static_cast<std::size_t>(triangle[k])] +=
-                std::atan2(n.norm(), a.dot(b)) * n.normalized();
-        }
-    for (Vec3d& n : shape.normals) n.normalize();
+        .mesh = {.vertices_world = read.mesh.vertices_world, .triangles = read.mesh.triangles},
+        .normals = vertices_of(read).normals};
     return finished(std::move(shape));
 }
 

@@ -17,11 +17,6 @@ namespace {
 
 using namespace isocast;
 
-double median(std::vector<double> values) {
-    std::ranges::nth_element(values, values.begin() + std::ssize(values) / 2);
-    return values[values.size() / 2];
-}
-
 constexpr int size = 1024; // of pictures of specimens [pixels]
 
 /// Milliseconds of a frame's passes, by the names that begin so; median.

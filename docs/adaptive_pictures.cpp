@@ -1,5 +1,6 @@
 // docs_adaptive_pictures FOLDER BUNNY: thesis figures 3.1 and 3.4 for octree.md.
 // SPDX-License-Identifier: MPL-2.0
+#include "docs/program.h"
 #include "docs/slice.h"
 
 #include "bench/adaptive/mesh_in_cells.h"
@@ -103,17 +104,9 @@ Image missed_features() {
 } // namespace
 
 int main(int argc, char** argv) {
-    try {
-        if (argc != 3) {
-            fmt::print(stderr, "usage: docs_adaptive_pictures FOLDER BUNNY\n");
-            return 2;
-        }
+    return run_program(argc, "docs_adaptive_pictures FOLDER BUNNY", [&] {
         const std::filesystem::path folder = argv[1];
         write_png(missed_features(), folder / "octree_features.png");
         write_png(adaptive_sampling(argv[2]), folder / "octree_cells.png");
-        return 0;
-    } catch (const std::exception& error) {
-        fmt::print(stderr, "docs_adaptive_pictures: {}\n", error.what());
-        return 1;
-    }
+    });
 }

@@ -1,5 +1,6 @@
 // docs_pictures FOLDER: the slices, and the prisms as meshes, of distance_transform.md.
 // SPDX-License-Identifier: MPL-2.0
+#include "docs/program.h"
 #include "docs/slice.h"
 
 #include "distance_transform/convert.h"
@@ -149,11 +150,7 @@ void write_voronoi_slice(const CheckedMesh& mesh, double z_world,
 } // namespace
 
 int main(int argc, char** argv) {
-    try {
-        if (argc != 2) {
-            fmt::print(stderr, "usage: docs_pictures FOLDER\n");
-            return 2;
-        }
+    return run_program(argc, "docs_pictures FOLDER", [&] {
         const std::filesystem::path folder = argv[1];
         write_prisms(convex_of_six(), Gaps::Leave, folder / "prisms_convex.ply");
         write_prisms(saddle_of_eight(), Gaps::Leave, folder / "prisms_gap.ply");
@@ -161,9 +158,5 @@ int main(int argc, char** argv) {
         const CheckedMesh knot = check(sample_mesh("knot"));
         write_field_slices(knot, 0.35, folder / "slices.png");
         write_voronoi_slice(knot, 0.35, folder / "voronoi.png");
-        return 0;
-    } catch (const std::exception& error) {
-        fmt::print(stderr, "docs_pictures: {}\n", error.what());
-        return 1;
-    }
+    });
 }

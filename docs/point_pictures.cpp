@@ -1,5 +1,6 @@
 // docs_point_pictures FOLDER: thesis figures 4.11 and 4.12 for distance_transform.md.
 // SPDX-License-Identifier: MPL-2.0
+#include "docs/program.h"
 #include "docs/slice.h"
 
 #include "distance_transform/meshless.h"
@@ -153,11 +154,7 @@ Image deviation_plot() {
 } // namespace
 
 int main(int argc, char** argv) {
-    try {
-        if (argc != 2) {
-            fmt::print(stderr, "usage: docs_point_pictures FOLDER\n");
-            return 2;
-        }
+    return run_program(argc, "docs_point_pictures FOLDER", [&] {
         const std::filesystem::path folder = argv[1];
         write_png(
             above(beside(five_samples(PointMethod::Shepard),
@@ -165,9 +162,5 @@ int main(int argc, char** argv) {
                   beside(five_samples(PointMethod::Rbf), five_samples(PointMethod::Partition))),
             folder / "points_five.png");
         write_png(deviation_plot(), folder / "points_deviation.png");
-        return 0;
-    } catch (const std::exception& error) {
-        fmt::print(stderr, "docs_point_pictures: {}\n", error.what());
-        return 1;
-    }
+    });
 }

@@ -92,7 +92,7 @@ std::optional<SlimHit> blended(std::span<const SlimFragment> fragments, const Ve
         sum.t += f.hit.weight * (f.hit.t - first_end);
         const Vec3d n = side * f.hit.normal;
         const double along = axis_world.dot(n);
-        sum.normal += f.hit.weight / std::max(1 + along, 1e-3) * (n - along * axis_world);
+        sum.normal += f.hit.weight / std::max(1 + along, least_rise) * (n - along * axis_world);
         sum.weight += f.hit.weight;
     }
     const Vec3d mean = sum.normal / sum.weight;

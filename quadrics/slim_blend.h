@@ -67,6 +67,11 @@ std::optional<SlimFragment> slim_fragment(const SlimPatch& patch, double max_err
 /// The greatest share of the error that slanted rays see as depth: 1 / 8.
 inline constexpr double least_slant = 1.0 / 8;
 
+/// The least 1 + cosine of a normal with the axis of stereographic pictures, which ends 2.6 degrees
+/// from the opposite pole: a piece of a heap that looks away by as much moves the mean as if it did
+/// not yet.
+inline constexpr double least_rise = 1e-3;
+
 /// The weighted mean of distances and of normals over the pieces of the sheet that comes first: of
 /// the intervals t - reach ... t + reach those that overlap the one that ends first. All pieces
 /// that err by what they promise hold the surface's own place, so that none of a sheet is left out.

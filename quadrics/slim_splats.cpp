@@ -20,7 +20,7 @@ Cylinder drum_around(const SlimPatch& patch) {
 /// The pixels of the pictures of both its sphere and its drum, which is narrower where the piece is
 /// seen from the side.
 std::optional<PixelBox> cover_of(const SlimPatch& patch, const SplatView& view) {
-    constexpr double few_pixels = 4; // that are drawn sooner than bounded
+    constexpr double few_pixels = 4; // below it discs take more than they save: docs/slim.md
     const ScreenBounds ball =
         screen_bounds(Sphere{patch.centre_world, patch.radius_world}, view.space);
     if (ball.extent == ScreenExtent::Nothing) return std::nullopt;

@@ -7,6 +7,8 @@ namespace isocast {
 
 namespace {
 
+constexpr unsigned nearest_unit = 15; // of shaders/quadrics/splats.glsl and slim_splat.frag
+
 /// What shaders/quadrics/slim.frag writes of a piece.
 enum class SlimOutput { Nearest, Blend, Bends };
 
@@ -37,8 +39,8 @@ void draw_pieces(const FrameContext& frame, SlimOutput output,
 }
 
 /// Sums over the pieces of the sheet that shows.
-void blend_pieces(const FrameContext& frame, SlimOutput output, const gl::Framebuffer& target,
-                  int target_count) {
+void blend_pieces(const FrameContext& frame, SlimOutput output, const gl::Framebuffer& target) {
+    const int target_count = output == SlimOutput::Bends ? 2 : 1;
     target.bind();
     const std::array<float, 4> nothing{};
     for (int i = 0; i < target_count; ++i) glClearBufferfv(GL_COLOR, i, nothing.data());
@@ -83,11 +85,11 @@ void run_slim_nearest(FrameContext& frame) {
 }
 
 void run_slim_hits(FrameContext& frame) {
-    blend_pieces(frame, SlimOutput::Blend, frame.targets.framebuffer(FrameImage::SlimHit), 1);
+    blend_pieces(frame, SlimOutput::Blend, frame.targets.framebuffer(FrameImage::SlimHit));
 }
 
 void bind_slim_hits(const FrameContext& frame) {
-    frame.targets.texture(FrameImage::SlimNearest).bind_to_unit(15);
+    frame.targets.texture(FrameImage::SlimNearest).bind_to_unit(nearest_unit);
     frame.targets.texture(FrameImage::SlimHit).bind_to_unit(1);
 }
 
@@ -105,8 +107,7 @@ void draw_slim_hits(const FrameContext& frame, SplatOutput output, double depth_
 
 SlimBends::SlimBends(FrameContext& frame)
     : textures{scratch(frame, gl::Format::Rgba32f), scratch(frame, gl::Format::Rgba32f)} {
-    blend_pieces(frame, SlimOutput::Bends, gl::Framebuffer({&textures[0], &textures[1]}, "bends"),
-                 2);
+    blend_pieces(frame, SlimOutput::Bends, gl::Framebuffer({&textures[0], &textures[1]}, "bends"));
 }
 
 std::vector<gl::ProgramKey> slim_programs() {

@@ -15,11 +15,6 @@ PeerScene scene_of_the_table(const SparseField& field, int resolution) {
             .target_world = target};
 }
 
-double median(std::vector<double> values) {
-    std::ranges::nth_element(values, values.begin() + std::ssize(values) / 2);
-    return values[values.size() / 2];
-}
-
 double median_seconds(int repeats, const std::function<void()>& draw) {
     draw();
     std::vector<double> seconds;

@@ -1,7 +1,8 @@
-// What the peers share: clocks, medians, frames from masks.
+// What the peers share: clocks, frames from masks.
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
+#include "median.h"
 #include "peers/peers.h"
 
 #include <chrono>
@@ -12,8 +13,6 @@ namespace isocast {
 inline double seconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
-
-double median(std::vector<double> values);
 
 /// Median seconds of `repeats` calls of `draw`, after one that does not count.
 double median_seconds(int repeats, const std::function<void()>& draw);

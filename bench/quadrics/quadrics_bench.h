@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #pragma once
 
+#include "median.h"
 #include "raycaster/renderer.h"
 
 #include <functional>

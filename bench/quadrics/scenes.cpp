@@ -199,8 +199,7 @@ double median_frame_seconds(Renderer& renderer, Camera camera, int w, int h, int
         const TimedFrame drawn = draw(renderer, camera, w, h);
         if (frame > 0) seconds.push_back(drawn.seconds); // the first one warms up
     }
-    std::ranges::nth_element(seconds, seconds.begin() + std::ssize(seconds) / 2);
-    return seconds[seconds.size() / 2];
+    return median(std::move(seconds));
 }
 
 Specimens specimens(Specimen specimen, double radius_pixels) {

@@ -33,10 +33,10 @@ void main() {
     vec2 nearest = texelFetch(t_nearest, ivec2(gl_FragCoord.xy), 0).xy;
     if (abs(nearest.y) != number + 1.0 || piece.t - piece.reach > nearest.x) discard;
 #if STAGE == 1
-    o_first = slim_sum(nearest, piece.t, piece.half_gradient / piece.size, slim_weight(piece));
+    o_first = slim_sum(nearest, piece.t, piece.half_gradient / piece.slope, slim_weight(piece));
 #else
     float weight = slim_weight(piece);
-    mat3 bend = slim_matrix(v_splat) * (weight / piece.size);
+    mat3 bend = slim_matrix(v_splat) * (weight / piece.slope);
     o_first = vec4(bend[0], bend[1].y);
     o_second = vec4(bend[1].z, bend[2].z, 0.0, weight);
 #endif

@@ -1,7 +1,7 @@
 // A piece of a SLIM surface on a ray.
 // SPDX-License-Identifier: MPL-2.0
-// source  Stoll et al. 2006, 5.1.1, eqs 7 and 13: by the roots that do not cancel, about the ray's closest
-//         approach to the centre
+// source  Stoll et al. 2006, 5.1.1, eqs 7 and 13: by the roots that do not cancel, from a place of the ray
+//         near the centre
 // twin    quadrics/slim.h: intersect(); quadrics/slim_blend.h
 #include "quadrics/quadric.glsl"
 
@@ -12,12 +12,12 @@
 
 // The piece's hit: of those that its sphere and its planes hold, the nearest.
 struct SlimFragment {
-    float t; // nowhere if there is none
+    float t;            // nowhere if there is none
     float reach;        // how far the surface may lie before or behind it, by t
     bool is_outside;    // which is seen
-    vec3 half_gradient; // 1/2 by distances, outwards
-    float size;         // its length
-    float share;        // squared distance from the centre, by the radius
+    vec3 half_gradient; // of f, half of it, outwards
+    float slope;        // its length
+    float share2;       // its distance from the centre by the radius, squared
     float fade;         // of its level there
 };
 
@@ -31,8 +31,8 @@ mat3 slim_matrix(vec4 body[7]) {
 // 1 at the centre, 0 on the sphere.
 float slim_weight(SlimFragment piece) {
     const float inverse_e = 0.36787944;
-    float rest = 1.0 - sqrt(piece.share);
-    return piece.fade * (piece.share < 0.25 ? exp(-4.0 * piece.share) : 4.0 * inverse_e * rest * rest);
+    float rest = 1.0 - sqrt(piece.share2);
+    return piece.fade * (piece.share2 < 0.25 ? exp(-4.0 * piece.share2) : 4.0 * inverse_e * rest * rest);
 }
 
 // Of a level at a depth.
@@ -41,7 +41,7 @@ float slim_fade(vec2 slopes, float depth) {
     return share.x * (1.0 - share.y);
 }
 
-// near  a place of the ray near the centre, for small numbers
+// near  a place of the ray near the centre, its closest approach or not: for small numbers
 SlimFragment slim_fragment(vec4 body[7], vec3 v, ClosestApproach near, float t_near) {
     mat3 a = slim_matrix(body);
     vec3 b = vec3(body[1].w, body[3].xy);
@@ -57,32 +57,32 @@ SlimFragment slim_fragment(vec4 body[7], vec3 v, ClosestApproach near, float t_n
     float roots[2] = float[2](beta < 0.0 ? gamma / (root - beta) : (beta + root) / -alpha,
                               beta < 0.0 ? (root - beta) / alpha : gamma / -(beta + root));
     float s = nowhere;
-    float square = 0.0;
+    float distance2 = 0.0; // from the centre
     bool is_outside = true;
     for (int i = 0; i < 2 - FRONT_ONLY; ++i) {
         vec3 p = y + v * roots[i];
-        float square_here = dot(p, p);
+        float distance2_here = dot(p, p);
         vec2 sides = vec2(dot(body[5].xyz, p) + body[5].w, dot(body[6].xyz, p) + body[6].w);
         float side = body[4].w == 3.0 ? max(sides.x, sides.y) : min(sides.x, sides.y);
-        bool is_in = discriminant >= 0.0 && square_here < body[0].w * body[0].w && side >= 0.0 &&
+        bool is_in = discriminant >= 0.0 && distance2_here < body[0].w * body[0].w && side >= 0.0 &&
                      near.t + roots[i] >= t_near && roots[i] < s && (i == 0 || body[4].z == 0.0);
         s = is_in ? roots[i] : s;
-        square = is_in ? square_here : square;
+        distance2 = is_in ? distance2_here : distance2;
         is_outside = is_in ? i == 0 : is_outside;
     }
     vec3 half_gradient = half_gradient_at_y + a_v * s;
-    float size = length(half_gradient);
+    float slope = length(half_gradient);
 #if IS_PERSPECTIVE
     float depth = near.t + s;
 #else
     float depth = 1.0;
 #endif
     float fade = slim_fade(body[4].xy, depth);
-    bool is_hit = s < nowhere && size > 0.0 && fade > 0.0;
-    // The root is how steeply f falls along the ray. 1/8: quadrics/slim_blend.h, least_slant.
-    float reach = body[3].w * size / max(root, 0.125 * length(v) * size);
-    return SlimFragment(is_hit ? near.t + s : nowhere, reach, is_outside, half_gradient, size,
-                        square / (body[0].w * body[0].w), fade);
+    bool is_hit = s < nowhere && slope > 0.0 && fade > 0.0;
+    // Half of how steeply f falls or rises along the ray is the root. 1/8: quadrics/slim_blend.h, least_slant.
+    float reach = body[3].w * slope / max(root, 0.125 * length(v) * slope);
+    return SlimFragment(is_hit ? near.t + s : nowhere, reach, is_outside, half_gradient, slope,
+                        distance2 / (body[0].w * body[0].w), fade);
 }
 
 // About where the ray is as deep as the centre: not so near as the closest approach, by the cosine with the

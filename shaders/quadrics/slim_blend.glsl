@@ -9,7 +9,8 @@
 // nearest  as FrameImage::SlimNearest
 vec4 slim_sum(vec2 nearest, float t, vec3 normal, float weight) {
     vec3 n = nearest.y < 0.0 ? -normal : normal;
-    return vec4(n.xy / max(1.0 + n.z, 1e-3), t - nearest.x, 1.0) * weight;
+    const float least_rise = 1e-3; // quadrics/slim_blend.h
+    return vec4(n.xy / max(1.0 + n.z, least_rise), t - nearest.x, 1.0) * weight;
 }
 
 // Unit normal, t; t is nowhere if nothing was summed.

@@ -79,7 +79,7 @@ void main() {
     SlimFragment piece = slim_fragment(v_splat, slope, start, kept.t_near);
     // Behind what the sheet's pieces may show, for shadows; of what light grazes no farther, since it is dark.
     float behind = 2.0 * min(piece.reach, 2.0 * v_splat[3].w);
-    QuadricHit hit = QuadricHit(piece.t + behind, piece.half_gradient / piece.size, vec3(0.0), false);
+    QuadricHit hit = QuadricHit(piece.t + behind, piece.half_gradient / piece.slope, vec3(0.0), false);
     const float depth_inside = 0.0;
     float number = v_splat[2].w;
 #else

@@ -6,6 +6,9 @@
 #include <Eigen/Dense>
 
 #include <algorithm>
+#include <numeric>
+#include <queue>
+#include <utility>
 
 namespace isocast {
 
@@ -53,24 +56,37 @@ std::array<double, 6> HeightFit::height_of(const Vector6& h, double radius_world
     return {h[0] * r, h[1], h[2], h[3] / r, h[4] / r, h[5] / r};
 }
 
-std::vector<bool> needed_patches(const std::vector<std::vector<int>>& covering,
-                                 const std::vector<double>& radius_world) {
-    const std::size_t count = radius_world.size();
+std::vector<bool> needed_patches(const std::vector<std::vector<int>>& covering, std::size_t count) {
     std::vector<std::vector<std::size_t>> things_of(count);
-    std::vector<std::size_t> left(covering.size()); // patches of a thing
-    for (std::size_t i = 0; i < covering.size(); ++i) {
-        left[i] = covering[i].size();
+    for (std::size_t i = 0; i < covering.size(); ++i)
         for (const int p : covering[i]) things_of[static_cast<std::size_t>(p)].push_back(i);
+    std::vector<int> held(covering.size(), 0); // by how many of those that are taken
+    std::vector<bool> stays(count, false);
+    // What a patch adds only falls: the first whose number is still true adds most.
+    std::priority_queue<std::pair<std::size_t, std::size_t>> by_gain;
+    for (std::size_t p = 0; p < count; ++p) by_gain.emplace(things_of[p].size(), p);
+    while (!by_gain.empty()) {
+        const auto [promised, p] = by_gain.top();
+        by_gain.pop();
+        const auto gain = static_cast<std::size_t>(
+            std::ranges::count_if(things_of[p], [&](std::size_t i) { return held[i] == 0; }));
+        if (gain == 0) continue;
+        if (gain < promised) {
+            by_gain.emplace(gain, p);
+            continue;
+        }
+        stays[p] = true;
+        for (const std::size_t i : things_of[p]) ++held[i];
     }
     std::vector<std::size_t> order(count);
-    for (std::size_t p = 0; p < count; ++p) order[p] = p;
-    std::ranges::stable_sort(order, {}, [&](std::size_t p) { return radius_world[p]; });
-    std::vector<bool> stays(count, true);
+    std::iota(order.begin(), order.end(), 0);
+    std::ranges::stable_sort(order, {}, [&](std::size_t p) { return things_of[p].size(); });
     for (const std::size_t p : order) {
-        if (!std::ranges::all_of(things_of[p], [&](std::size_t i) { return left[i] > 1; }))
+        if (!stays[p] ||
+            std::ranges::any_of(things_of[p], [&](std::size_t i) { return held[i] == 1; }))
             continue;
         stays[p] = false;
-        for (const std::size_t i : things_of[p]) --left[i];
+        for (const std::size_t i : things_of[p]) --held[i];
     }
     return stays;
 }

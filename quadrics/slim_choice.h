@@ -23,6 +23,8 @@ inline constexpr double slim_greatest_radius_share = 0.25;
 inline constexpr double slim_least_cosine = 1.0 / 3;
 /// By so much the search for a radius ends: an eighth of an octave.
 inline constexpr double slim_radius_precision = 1.0906;
+/// The patches to choose from are those of so many covers.
+inline constexpr int slim_rounds = 3;
 
 /// Of a level.
 struct SlimReport {
@@ -59,12 +61,12 @@ private:
     Vector6 right_ = Vector6::Zero();
 };
 
-/// Which patches are still needed once the others go that are not, the smallest first.
+/// Which patches suffice: again and again the one that covers most of what is left, then those go
+/// that others made needless, the least first.
 ///
-/// covering      of each thing to be covered, which patches do
-/// radius_world  of each patch
-std::vector<bool> needed_patches(const std::vector<std::vector<int>>& covering,
-                                 const std::vector<double>& radius_world);
+/// covering  of each thing to be covered, which patches do
+/// count     of patches
+std::vector<bool> needed_patches(const std::vector<std::vector<int>>& covering, std::size_t count);
 
 /// Covers anew with four times the error, and so on, while that leaves less than two thirds of the
 /// patches, of which one of fifty at most does not keep its error; the last has fewer than 200

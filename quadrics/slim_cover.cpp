@@ -17,35 +17,44 @@ namespace {
 /// Of the error, the least radius that is tried.
 constexpr double least_radius_errors = 3.0 / 16;
 
+/// Parts are so small, by the radii of the pieces about: else much is covered twice because a
+/// little of a large part is left over.
+constexpr double part_share = 0.3;
+/// Of the pieces so far, how many more at a time: spheres that grow together seldom meet.
+constexpr std::size_t pieces_by_batch = 16;
+constexpr std::size_t least_batch = 32;
+/// A search that starts where another piece ended.
+constexpr double small_step = 1.2;
+
 /// A part of a triangle, to be covered as a whole.
 struct Part {
     int triangle;
-    Mat3d corners_barycentric;           // columns
-    std::array<Vec3d, 6> points_world{}; // corners, then middles of edges
+    Mat3d corners_barycentric; // columns
     std::uint64_t order;
+    double radius_world = 0; // of a piece there, where the next may start from; 0: none yet
 };
 
-Part part_of(const SlimMesh& mesh, int triangle, const Mat3d& corners_barycentric,
-             std::uint64_t order) {
-    Part part{.triangle = triangle, .corners_barycentric = corners_barycentric, .order = order};
-    const auto i = static_cast<std::size_t>(triangle);
-    for (int k = 0; k < 3; ++k) {
-        const Vec3d corner = corners_barycentric.col(k);
-        const Vec3d next = corners_barycentric.col((k + 1) % 3);
-        part.points_world[static_cast<std::size_t>(k)] = mesh.point(i, corner);
-        part.points_world[static_cast<std::size_t>(k + 3)] = mesh.point(i, (corner + next) / 2);
+/// Where a part lies.
+struct Place {
+    Place(const SlimMesh& mesh, const Part& part) {
+        const auto i = static_cast<std::size_t>(part.triangle);
+        const Mat3d& l = part.corners_barycentric;
+        middle_world = mesh.point(i, l.rowwise().mean());
+        for (int k = 0; k < 3; ++k) {
+            const Vec3d corner = l.col(k);
+            const Vec3d next = l.col((k + 1) % 3);
+            points_world[static_cast<std::size_t>(k)] = mesh.point(i, corner);
+            points_world[static_cast<std::size_t>(k + 3)] = mesh.point(i, (corner + next) / 2);
+        }
+        for (const Vec3d& p : points_world)
+            size_world = std::max(size_world, (p - middle_world).norm());
     }
-    return part;
-}
+    std::array<Vec3d, 6> points_world{}; // corners, then middles of edges
+    Vec3d middle_world;
+    double size_world = 0; // how far these are from the middle
+};
 
-bool covers(const SlimPatch& patch, const Part& part, double max_error_world) {
-    const double reach =
-        std::min(slim_covered_share * patch.radius_world,
-                 patch.radius_world - spare_of(patch.radius_world, max_error_world));
-    return std::ranges::all_of(part.points_world, [&](const Vec3d& p) {
-        return (p - patch.centre_world).squaredNorm() <= reach * reach;
-    });
-}
+enum class State { Open, Coarse, Covered };
 
 class Cover {
 public:
@@ -58,14 +67,20 @@ public:
     SlimLevel level(SlimReport& report);
 
 private:
-    bool is_covered(const Part& part) const {
-        return std::ranges::any_of(pieces_of_[static_cast<std::size_t>(part.triangle)], [&](int i) {
-            return covers(piece(i).patch, part, max_error_world_);
-        });
-    }
-    const SlimPiece& piece(int i) const { return pieces_[static_cast<std::size_t>(i)]; }
+    struct Sphere { // of a piece, and how much of it covers
+        Vec3d centre_world;
+        double radius_world, reach_world;
+
+        bool covers(const Place& place) const {
+            return std::ranges::all_of(place.points_world, [&](const Vec3d& p) {
+                return (p - centre_world).squaredNorm() <= reach_world * reach_world;
+            });
+        }
+    };
+    State state_of(Part& part) const;
+    void add(SlimPiece piece);
     SlimPiece grown(const Part& part);
-    void split(const Part& part);
+    void cover(std::vector<Part> waiting, const std::function<void(double)>& progress);
 
     const SlimMesh& mesh_;
     double max_error_world_;
@@ -73,99 +88,173 @@ private:
     tbb::enumerable_thread_specific<SlimFitter> fitters_;
     double least_radius_;
     std::vector<SlimPiece> pieces_;
-    std::vector<Part> waiting_; // the last first
+    std::vector<Sphere> spheres_; // of pieces
+    int first_ = 0;               // piece of this round
     std::vector<Part> done_;
 };
 
+/// By the pieces of this round. What is covered learns by which radius.
+State Cover::state_of(Part& part) const {
+    const Place place(mesh_, part);
+    bool is_coarse = false;
+    const auto& pieces = pieces_of_[static_cast<std::size_t>(part.triangle)];
+    for (auto i = pieces.rbegin(); i != pieces.rend() && *i >= first_; ++i) {
+        const Sphere& sphere = spheres_[static_cast<std::size_t>(*i)];
+        const bool is_fine = place.size_world <= part_share * sphere.radius_world;
+        const bool is_covered = sphere.covers(place);
+        if (is_covered && is_fine) {
+            part.radius_world = sphere.radius_world;
+            return State::Covered;
+        }
+        is_coarse = is_coarse || is_covered ||
+                    (!is_fine && (sphere.centre_world - place.middle_world).norm() <
+                                     sphere.radius_world + place.size_world);
+    }
+    return is_coarse ? State::Coarse : State::Open;
+}
+
+void Cover::add(SlimPiece piece) {
+    const double radius = piece.patch.radius_world;
+    for (const int triangle : piece.triangles)
+        pieces_of_[static_cast<std::size_t>(triangle)].push_back(static_cast<int>(pieces_.size()));
+    spheres_.push_back(
+        {piece.patch.centre_world, radius,
+         std::min(slim_covered_share * radius, radius - spare_of(radius, max_error_world_))});
+    pieces_.push_back(std::move(piece));
+}
+
 SlimPiece Cover::grown(const Part& part) {
     SlimFitter& fitter = fitters_.local();
-    const Vec3d centre = mesh_.point(static_cast<std::size_t>(part.triangle),
-                                     part.corners_barycentric.rowwise().mean());
+    const Place place(mesh_, part);
     const double error = max_error_world_;
-    double size = 0;
-    for (const Vec3d& p : part.points_world) size = std::max(size, (p - centre).norm());
     std::optional<SlimPiece> best;
-    // From about what the part takes, up while it goes well, or down until it does.
+    // From another piece's radius, or from about what the part takes, up while it goes well, or
+    // down until it does.
+    const bool is_hinted = part.radius_world > 0;
+    const double step = is_hinted ? small_step : 2;
     double good = 0;
     double bad = 0;
     const double greatest =
         std::max(slim_greatest_radius_share * mesh_.diagonal_world(), least_radius_);
-    double radius = std::clamp(4 * size, least_radius_, greatest);
+    double radius =
+        std::clamp(is_hinted ? part.radius_world : 4 * place.size_world, least_radius_, greatest);
     while (good == 0 || bad == 0 || bad > good * slim_radius_precision) {
-        auto piece = fitter.fit(part.triangle, centre, radius, error);
+        auto piece = fitter.fit(part.triangle, place.middle_world, radius, error);
         if (piece) {
             best = std::move(piece);
             good = radius;
             if (radius == greatest) break;
-            radius = bad == 0 ? std::min(2 * radius, greatest) : std::sqrt(good * bad);
+            radius = bad == 0 ? std::min(step * radius, greatest) : std::sqrt(good * bad);
         } else {
             bad = radius;
             if (radius == least_radius_) break;
-            radius = good == 0 ? std::max(radius / 2, least_radius_) : std::sqrt(good * bad);
+            radius = good == 0 ? std::max(radius / step, least_radius_) : std::sqrt(good * bad);
         }
     }
     return best ? std::move(*best)
-                : fitter.fall_back(part.triangle, centre, slim_fall_back_errors * max_error_world_);
+                : fitter.fall_back(part.triangle, place.middle_world,
+                                   slim_fall_back_errors * max_error_world_);
 }
 
-void Cover::split(const Part& part) {
+/// Its longest edge, by way of its middle: so slivers do not become ever more slivers, nor edges
+/// that bow out and back ever more of those.
+void halve(const SlimMesh& mesh, const Part& part, std::vector<Part>& into) {
+    const Place place(mesh, part);
+    std::array<double, 3> lengths{};
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3d& middle = place.points_world[k + 3];
+        lengths[k] = (middle - place.points_world[k]).norm() +
+                     (place.points_world[(k + 1) % 3] - middle).norm();
+    }
+    const auto longest = std::ranges::max_element(lengths) - lengths.begin();
+    const auto from = static_cast<int>(longest);
+    const int to = (from + 1) % 3;
     const Mat3d& l = part.corners_barycentric;
-    Mat3d middles;
-    for (int k = 0; k < 3; ++k) middles.col(k) = (l.col(k) + l.col((k + 1) % 3)) / 2;
-    std::uint64_t order = part.order;
-    for (int k = 0; k < 4; ++k) {
-        Mat3d corners = middles;
-        if (k < 3) corners << middles.col(k), l.col((k + 1) % 3), middles.col((k + 1) % 3);
-        waiting_.push_back(part_of(mesh_, part.triangle, corners, order = scrambled(order)));
+    Part half = part;
+    for (const int moved : {from, to}) {
+        half.corners_barycentric = l;
+        half.corners_barycentric.col(moved) = (l.col(from) + l.col(to)) / 2;
+        half.order = scrambled(half.order);
+        into.push_back(half);
+    }
+}
+
+/// With pieces of their own for all parts.
+void Cover::cover(std::vector<Part> waiting, const std::function<void(double)>& progress) {
+    first_ = static_cast<int>(pieces_.size());
+    done_.clear();
+    std::vector<std::size_t> taken(mesh_.size(), 0); // by triangle: the batch
+    std::size_t batch_number = 0;
+    while (!waiting.empty()) {
+        std::ranges::sort(waiting, {}, [](const Part& part) { return part.order; });
+        std::vector<Part> next;
+        for (std::size_t at = 0; at < waiting.size();) {
+            const std::size_t made_so_far = pieces_.size() - static_cast<std::size_t>(first_);
+            const std::size_t count =
+                std::min(waiting.size() - at, std::max(least_batch, made_so_far / pieces_by_batch));
+            const std::span<Part> some(waiting.data() + at, count);
+            at += count;
+            std::vector<State> states(count);
+            tbb::parallel_for(std::size_t{0}, count,
+                              [&](std::size_t i) { states[i] = state_of(some[i]); });
+            std::vector<Part> open;
+            ++batch_number;
+            for (std::size_t i = 0; i < count; ++i) {
+                if (states[i] == State::Covered) done_.push_back(some[i]);
+                if (states[i] == State::Coarse) halve(mesh_, some[i], next);
+                if (states[i] != State::Open) continue;
+                const auto triangle = static_cast<std::size_t>(some[i].triangle);
+                const bool is_alone = taken[triangle] != batch_number;
+                (is_alone ? open : next).push_back(some[i]);
+                if (!is_alone) continue;
+                taken[triangle] = batch_number;
+                for (std::size_t k = 0; k < 3; ++k)
+                    if (const int n = mesh_.side(triangle, k).neighbour; n >= 0)
+                        taken[static_cast<std::size_t>(n)] = batch_number;
+            }
+            std::vector<SlimPiece> made(open.size());
+            tbb::parallel_for(std::size_t{0}, open.size(),
+                              [&](std::size_t i) { made[i] = grown(open[i]); });
+            for (std::size_t i = 0; i < open.size(); ++i) {
+                open[i].radius_world = made[i].patch.radius_world;
+                add(std::move(made[i]));
+            }
+            for (Part& part : open)
+                if (state_of(part) == State::Covered)
+                    done_.push_back(part);
+                else
+                    halve(mesh_, part, next);
+            if (progress)
+                progress(static_cast<double>(done_.size()) /
+                         static_cast<double>(done_.size() + waiting.size() - at + next.size()));
+        }
+        waiting = std::move(next);
     }
 }
 
 void Cover::run(const Progress& progress) {
+    std::vector<Part> parts;
     for (std::size_t i = 0; i < mesh_.size(); ++i)
-        waiting_.push_back(part_of(mesh_, static_cast<int>(i), Mat3d::Identity(), scrambled(i)));
-    std::ranges::sort(waiting_, {}, &Part::order);
-    while (!waiting_.empty()) {
-        // Some at a time, whose spheres seldom meet while there are few: the same for any threads.
-        const std::size_t count =
-            std::min(waiting_.size(), std::max<std::size_t>(32, pieces_.size() / 8));
-        std::vector<Part> batch;
-        while (!waiting_.empty() && batch.size() < count) {
-            const Part part = waiting_.back();
-            waiting_.pop_back();
-            (is_covered(part) ? done_ : batch).push_back(part);
-        }
-        std::vector<SlimPiece> made(batch.size());
-        tbb::parallel_for(std::size_t{0}, batch.size(),
-                          [&](std::size_t i) { made[i] = grown(batch[i]); });
-        for (std::size_t i = 0; i < batch.size(); ++i) {
-            if (is_covered(batch[i])) {
-                done_.push_back(batch[i]);
-                continue;
-            }
-            const int number = static_cast<int>(pieces_.size());
-            for (const int triangle : made[i].triangles)
-                pieces_of_[static_cast<std::size_t>(triangle)].push_back(number);
-            pieces_.push_back(std::move(made[i]));
-            if (is_covered(batch[i]))
-                done_.push_back(batch[i]);
-            else
-                split(batch[i]);
-        }
-        if (progress)
-            progress("covering", static_cast<double>(done_.size()) /
-                                     static_cast<double>(done_.size() + waiting_.size()));
+        parts.push_back({.triangle = static_cast<int>(i),
+                         .corners_barycentric = Mat3d::Identity(),
+                         .order = scrambled(i)});
+    for (int round = 0; round < slim_rounds; ++round) {
+        cover(std::move(parts), [&](double share) {
+            if (progress) progress("covering", (round + share) / slim_rounds);
+        });
+        parts = done_;
+        for (Part& part : parts) part.order = scrambled(part.order);
     }
 }
 
 SlimLevel Cover::level(SlimReport& report) {
     std::vector<std::vector<int>> of_part(done_.size());
     tbb::parallel_for(std::size_t{0}, done_.size(), [&](std::size_t i) {
+        const Place place(mesh_, done_[i]);
         for (const int p : pieces_of_[static_cast<std::size_t>(done_[i].triangle)])
-            if (covers(piece(p).patch, done_[i], max_error_world_)) of_part[i].push_back(p);
+            if (spheres_[static_cast<std::size_t>(p)].covers(place)) of_part[i].push_back(p);
     });
-    std::vector<double> radii(pieces_.size());
-    for (std::size_t p = 0; p < pieces_.size(); ++p) radii[p] = pieces_[p].patch.radius_world;
-    const std::vector<bool> stays = needed_patches(of_part, radii);
+    const std::vector<bool> stays = needed_patches(of_part, pieces_.size());
     SlimLevel out{.patches = {}, .max_error_world = max_error_world_};
     for (std::size_t p = 0; p < pieces_.size(); ++p) {
         if (!stays[p]) continue;

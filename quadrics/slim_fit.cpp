@@ -67,34 +67,37 @@ SlimFitter::SlimFitter(const SlimMesh& mesh)
     : mesh_(mesh), visits_(mesh.size(), 0), vertex_visits_(mesh.vertex_count(), 0) {}
 
 void SlimFitter::add_leaves(std::size_t triangle, const Mat3d& corners_barycentric,
-                            double bow_world, const Vec3d& centre_world, double radius_world) {
-    const Mat3d& l = corners_barycentric;
-    const auto at = [&](const Mat3d& places, std::size_t k) -> Vec3d {
-        return mesh_.point(triangle, places.col(static_cast<Eigen::Index>(k))) - centre_world;
-    };
-    Leaf leaf{.spare_world = mesh_.spare_world(triangle)};
-    for (std::size_t k = 0; k < 3; ++k) leaf.corners[k] = at(l, k);
-    const Vec3d middle = (leaf.corners[0] + leaf.corners[1] + leaf.corners[2]) / 3;
+                            const std::array<Vec3d, 3>& corners, double bow_world,
+                            const Vec3d& centre_world, double radius_world) {
+    const Vec3d middle = (corners[0] + corners[1] + corners[2]) / 3;
     double longest2 = 0;
     double reach2 = 0;
     for (std::size_t k = 0; k < 3; ++k) {
-        reach2 = std::max(reach2, (leaf.corners[k] - middle).squaredNorm());
-        longest2 = std::max(longest2, (leaf.corners[(k + 1) % 3] - leaf.corners[k]).squaredNorm());
+        reach2 = std::max(reach2, (corners[k] - middle).squaredNorm());
+        longest2 = std::max(longest2, (corners[(k + 1) % 3] - corners[k]).squaredNorm());
     }
     if (middle.norm() - std::sqrt(reach2) - bow_world >= radius_world) return;
+    const Mat3d& l = corners_barycentric;
     Mat3d middles;
-    for (int k = 0; k < 3; ++k) middles.col(k) = (l.col(k) + l.col((k + 1) % 3)) / 2;
+    std::array<Vec3d, 3> middles_here;
+    for (int k = 0; k < 3; ++k) {
+        middles.col(k) = (l.col(k) + l.col((k + 1) % 3)) / 2;
+        middles_here[static_cast<std::size_t>(k)] =
+            mesh_.point(triangle, middles.col(k)) - centre_world;
+    }
     if (longest2 <= leaf_share * leaf_share * radius_world * radius_world) {
-        for (std::size_t k = 0; k < 3; ++k) leaf.middles[k] = at(middles, k);
-        leaves_.push_back(leaf);
+        leaves_.push_back({corners, middles_here, mesh_.spare_world(triangle)});
         return;
     }
-    for (int k = 0; k < 3; ++k) {
+    for (std::size_t k = 0; k < 3; ++k) {
+        const auto i = static_cast<int>(k);
+        const std::size_t next = (k + 1) % 3;
         Mat3d part; // turning as the whole does
-        part << middles.col(k), l.col((k + 1) % 3), middles.col((k + 1) % 3);
-        add_leaves(triangle, part, bow_world / 4, centre_world, radius_world);
+        part << middles.col(i), l.col((i + 1) % 3), middles.col((i + 1) % 3);
+        add_leaves(triangle, part, {middles_here[k], corners[next], middles_here[next]},
+                   bow_world / 4, centre_world, radius_world);
     }
-    add_leaves(triangle, middles, bow_world / 4, centre_world, radius_world);
+    add_leaves(triangle, middles, middles_here, bow_world / 4, centre_world, radius_world);
 }
 
 void SlimFitter::collect(int triangle, const Vec3d& centre_world, double radius_world,
@@ -116,11 +119,13 @@ void SlimFitter::collect(int triangle, const Vec3d& centre_world, double radius_
             };
             leaves_.push_back({p, {middle(0), middle(1), middle(2)}, mesh_.spare_world(i)});
         } else {
-            add_leaves(i, Mat3d::Identity(), mesh_.spare_world(i), centre_world, radius_world);
+            add_leaves(i, Mat3d::Identity(), p, mesh_.spare_world(i), centre_world, radius_world);
         }
+        std::array<bool, 3> is_in;
         for (std::size_t k = 0; k < 3; ++k) {
+            is_in[k] = p[k].squaredNorm() < radius_world * radius_world;
             auto& visit = vertex_visits_[static_cast<std::size_t>(corners[k])];
-            if (visit == visit_ || !(p[k].squaredNorm() < radius_world * radius_world)) continue;
+            if (visit == visit_ || !is_in[k]) continue;
             visit = visit_;
             samples_.push_back({p[k], mesh_.area_of_vertex(corners[k])});
         }
@@ -131,6 +136,18 @@ void SlimFitter::collect(int triangle, const Vec3d& centre_world, double radius_
             if (!is_end && visits_[static_cast<std::size_t>(side.neighbour)] == visit_ &&
                 !side.is_crease)
                 continue;
+            const auto go_on = [&] {
+                if (auto& visit = visits_[static_cast<std::size_t>(side.neighbour)];
+                    visit != visit_) {
+                    visit = visit_;
+                    part_.push_back(side.neighbour);
+                }
+            };
+            if (!is_end && (is_in[k] || is_in[next])) {
+                has_creases_ = has_creases_ || side.is_crease;
+                go_on();
+                continue;
+            }
             const Vec3d middle = (p[k] + p[next]) / 2 + mesh_.bow(i, k);
             const std::array halves{within_sphere(p[k], middle, radius_world),
                                     within_sphere(middle, p[next], radius_world)};
@@ -145,10 +162,8 @@ void SlimFitter::collect(int triangle, const Vec3d& centre_world, double radius_
                     if (half)
                         ends_.push_back({(*half)[0], (*half)[1], corners[k], corners[next],
                                          n.cross((p[next] - p[k]).normalized()), n, beyond});
-            } else if (auto& visit = visits_[static_cast<std::size_t>(side.neighbour)];
-                       visit != visit_) {
-                visit = visit_;
-                part_.push_back(side.neighbour);
+            } else {
+                go_on();
             }
         }
     }

@@ -60,8 +60,10 @@ private:
     };
     void collect(int triangle, const Vec3d& centre_world, double radius_world,
                  bool crosses_creases);
+    /// corners    where they lie, from the centre
     /// bow_world  no less than how far this part of the triangle leaves the plane of its corners
-    void add_leaves(std::size_t triangle, const Mat3d& corners_barycentric, double bow_world,
+    void add_leaves(std::size_t triangle, const Mat3d& corners_barycentric,
+                    const std::array<Vec3d, 3>& corners, double bow_world,
                     const Vec3d& centre_world, double radius_world);
     bool is_graph(const Vec3d& normal, double least_cosine) const;
     /// Heights by least squares; as they come without enough leaves.

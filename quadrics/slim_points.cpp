@@ -86,8 +86,7 @@ public:
     PointCover(const SlimPoints& points, const BallTree& tree, double diagonal_world,
                double max_error_world)
         : points_(points), tree_(tree), error_(max_error_world),
-          greatest_radius_(slim_greatest_radius_share * diagonal_world),
-          is_covered_(points.points_world.size(), false) {}
+          greatest_radius_(slim_greatest_radius_share * diagonal_world) {}
 
     void run(const Progress& progress);
     SlimLevel level(SlimReport& report) const;
@@ -101,7 +100,7 @@ private:
     const BallTree& tree_;
     double error_;
     double greatest_radius_;
-    std::vector<bool> is_covered_;
+    std::vector<bool> is_covered_; // points, by pieces of this round
     std::vector<PointPiece> pieces_;
 };
 
@@ -215,36 +214,42 @@ PointPiece PointCover::grown(std::size_t centre) const {
 
 void PointCover::run(const Progress& progress) {
     const std::size_t count = points_.points_world.size();
+    std::vector<std::uint64_t> keys(count);
+    std::iota(keys.begin(), keys.end(), 0);
     std::vector<std::size_t> order(count);
     std::iota(order.begin(), order.end(), 0);
-    std::ranges::sort(order, {}, [](std::size_t i) { return scrambled(i); });
-    for (std::size_t at = 0; at < count;) {
-        // Some at a time, as of meshes: the same for any threads.
-        const std::size_t most = std::max<std::size_t>(32, pieces_.size() / 8);
-        std::vector<std::size_t> batch;
-        for (; at < count && batch.size() < most; ++at)
-            if (!is_covered_[order[at]]) batch.push_back(order[at]);
-        std::vector<PointPiece> made(batch.size());
-        tbb::parallel_for(std::size_t{0}, batch.size(),
-                          [&](std::size_t i) { made[i] = grown(batch[i]); });
-        for (std::size_t i = 0; i < batch.size(); ++i) {
-            if (is_covered_[batch[i]]) continue;
-            for (const int p : made[i].covered) is_covered_[static_cast<std::size_t>(p)] = true;
-            pieces_.push_back(std::move(made[i]));
+    for (int round = 0; round < slim_rounds; ++round) {
+        for (std::uint64_t& key : keys) key = scrambled(key);
+        std::ranges::sort(order, {}, [&](std::size_t i) { return keys[i]; });
+        is_covered_.assign(count, false);
+        const std::size_t first = pieces_.size();
+        for (std::size_t at = 0; at < count;) {
+            // Some at a time, as of meshes: the same for any threads.
+            const std::size_t most = std::max<std::size_t>(32, (pieces_.size() - first) / 8);
+            std::vector<std::size_t> batch;
+            for (; at < count && batch.size() < most; ++at)
+                if (!is_covered_[order[at]]) batch.push_back(order[at]);
+            std::vector<PointPiece> made(batch.size());
+            tbb::parallel_for(std::size_t{0}, batch.size(),
+                              [&](std::size_t i) { made[i] = grown(batch[i]); });
+            for (PointPiece& piece : made) {
+                for (const int p : piece.covered) is_covered_[static_cast<std::size_t>(p)] = true;
+                pieces_.push_back(std::move(piece));
+            }
+            if (progress)
+                progress("covering",
+                         (round + static_cast<double>(at) / static_cast<double>(count)) /
+                             slim_rounds);
         }
-        if (progress) progress("covering", static_cast<double>(at) / static_cast<double>(count));
     }
 }
 
 SlimLevel PointCover::level(SlimReport& report) const {
     std::vector<std::vector<int>> covering(points_.points_world.size());
-    std::vector<double> radii;
-    for (const PointPiece& piece : pieces_) {
-        for (const int p : piece.covered)
-            covering[static_cast<std::size_t>(p)].push_back(static_cast<int>(radii.size()));
-        radii.push_back(piece.patch.radius_world);
-    }
-    const std::vector<bool> stays = needed_patches(covering, radii);
+    for (std::size_t i = 0; i < pieces_.size(); ++i)
+        for (const int p : pieces_[i].covered)
+            covering[static_cast<std::size_t>(p)].push_back(static_cast<int>(i));
+    const std::vector<bool> stays = needed_patches(covering, pieces_.size());
     SlimLevel out{.patches = {}, .max_error_world = error_};
     for (std::size_t p = 0; p < pieces_.size(); ++p) {
         if (!stays[p]) continue;

@@ -10,6 +10,7 @@
 #include <CGAL/AABB_face_graph_triangle_primitive.h>
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>
+#include <CGAL/subdivision_method_3.h>
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
@@ -321,14 +322,35 @@ Shape sphere() { // an octahedron's faces in 112^2 triangles
     return finished(std::move(shape));
 }
 
-/// Normals by the angles of the faces at each vertex.
+/// By the angles of the faces at each vertex.
+Shape with_normals(std::string name, const Mesh& mesh) {
+    const CheckedMesh read = check(mesh);
+    return finished(
+        {.name = std::move(name),
+         .mesh = {.vertices_world = read.mesh.vertices_world, .triangles = read.mesh.triangles},
+         .normals = vertices_of(read).normals});
+}
+
 Shape scan(const std::string& path) {
-    const CheckedMesh read = check(read_mesh(path));
-    Shape shape{
-        .name = path,
-        .mesh = {.vertices_world = read.mesh.vertices_world, .triangles = read.mesh.triangles},
-        .normals = vertices_of(read).normals};
-    return finished(std::move(shape));
+    return with_normals(path, read_mesh(path));
+}
+
+/// What a scan would be without its noise: few of its triangles, rounded off again by Loop's
+/// subdivision, which has curvatures everywhere but at a few vertices.
+Shape rounded(const Shape& shape) {
+    constexpr std::size_t triangles = 4000;
+    Surface mesh = collapsible(shape.mesh);
+    collapse_edges(mesh, 3 * triangles / 2);
+    CGAL::Subdivision_method_3::Loop_subdivision(mesh, CGAL::parameters::number_of_iterations(3));
+    Mesh fine;
+    for (const auto v : mesh.vertices()) fine.vertices_world.push_back(vec(mesh.point(v)));
+    for (const auto face : mesh.faces()) {
+        auto& corners = fine.triangles.emplace_back();
+        std::size_t k = 0;
+        for (const auto v : mesh.vertices_around_face(mesh.halfedge(face)))
+            corners[k++] = static_cast<int>(v);
+    }
+    return with_normals(shape.name + ", rounded", fine);
 }
 
 } // namespace
@@ -341,5 +363,10 @@ int main(int argc, char** argv) {
         compare(torus());
     }
     for (int i = casts ? 2 : 1; i < argc; ++i)
-        casts ? cast_rays(scan(argv[i])) : compare(scan(argv[i]));
+        if (const Shape shape = scan(argv[i]); casts) {
+            cast_rays(shape);
+        } else {
+            compare(shape);
+            compare(rounded(shape));
+        }
 }

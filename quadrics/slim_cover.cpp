@@ -54,6 +54,7 @@ struct Place {
     double size_world = 0; // how far these are from the middle
 };
 
+/// Coarse: a piece reaches into the part, by whose radius it is too large.
 enum class State { Open, Coarse, Covered };
 
 class Cover {
@@ -101,14 +102,12 @@ State Cover::state_of(Part& part) const {
     for (auto i = pieces.rbegin(); i != pieces.rend() && *i >= first_; ++i) {
         const Sphere& sphere = spheres_[static_cast<std::size_t>(*i)];
         const bool is_fine = place.size_world <= part_share * sphere.radius_world;
-        const bool is_covered = sphere.covers(place);
-        if (is_covered && is_fine) {
+        if (is_fine && sphere.covers(place)) {
             part.radius_world = sphere.radius_world;
             return State::Covered;
         }
-        is_coarse = is_coarse || is_covered ||
-                    (!is_fine && (sphere.centre_world - place.middle_world).norm() <
-                                     sphere.radius_world + place.size_world);
+        is_coarse = is_coarse || (!is_fine && (sphere.centre_world - place.middle_world).norm() <
+                                                  sphere.radius_world + place.size_world);
     }
     return is_coarse ? State::Coarse : State::Open;
 }
@@ -179,7 +178,8 @@ void halve(const SlimMesh& mesh, const Part& part, std::vector<Part>& into) {
     }
 }
 
-/// With pieces of their own for all parts.
+/// With pieces of their own for all parts, which become ever smaller. Of open ones on a triangle or
+/// its neighbours one alone gets a piece at a time: it may cover the others.
 void Cover::cover(std::vector<Part> waiting, const std::function<void(double)>& progress) {
     first_ = static_cast<int>(pieces_.size());
     done_.clear();

@@ -17,8 +17,9 @@ struct SlimOptions {
 /// Covers a mesh by spheres, each with a patch that keeps the error: centres are taken at random
 /// from what is not covered yet, and spheres grow as far as their patch keeps it. Every point of
 /// the mesh lies, with a triangle around it, within 0.93 of the radius of a patch whose part of the
-/// mesh it belongs to, and by more than the error within its sphere: what is not is cut in four
-/// until it is. Patches that the others make needless then go, the smallest first.
+/// mesh it belongs to, and by more than the error within its sphere: what is not is halved until it
+/// is, and until it is small beside the patches about. The patches of three such covers are chosen
+/// from: needed_patches().
 ///
 /// Then come the coarser levels of with_levels(), each a whole cover.
 ///

@@ -1,5 +1,5 @@
-// Meshes simplified by CGAL's edge collapse, which is under the GPL: for benches and pictures
-// alone. SPDX-License-Identifier: MPL-2.0
+// Meshes simplified by CGAL's edge collapse, which is under the GPL: for benches and pictures alone.
+// SPDX-License-Identifier: MPL-2.0
 #pragma once
 
 #include "quadrics/triangles.h"

@@ -4,6 +4,7 @@
 #include "quad_cube.h"
 #include "quadrics/slim_cover.h"
 #include "quadrics/slim_file.h"
+#include "quadrics/slim_mesh.h"
 #include "random_primitives.h"
 
 #include <gtest/gtest.h>
@@ -195,6 +196,70 @@ TEST(SlimCover, NoNeedleSticksOutOfASliver) {
         for (const SlimPatch& patch : surface.levels.front().patches)
             EXPECT_TRUE(intersect(patch, origin, -Vec3d::UnitZ(), false).empty()) << beyond;
     }
+}
+
+/// Random points of the bent mesh lie in spheres as the cover promises.
+void expect_covered(const TriangleMesh& mesh, const SlimLevel& level) {
+    const SlimMesh bent(mesh, SlimOptions{}.crease_degrees);
+    Random random(3);
+    for (int i = 0; i < 5000; ++i) {
+        const auto triangle =
+            static_cast<std::size_t>(random.uniform(0, static_cast<double>(bent.size()) - 1e-9));
+        const double u = random.uniform(0, 1);
+        const double v = random.uniform(0, 1 - u);
+        const Vec3d p = bent.point(triangle, {u, v, 1 - u - v});
+        EXPECT_TRUE(std::ranges::any_of(level.patches, [&](const SlimPatch& patch) {
+            return (p - patch.centre_world).norm() <
+                   1.02 * slim_covered_share * patch.radius_world; // parts bow a little, too
+        }));
+    }
+}
+
+TEST(SlimCover, SpikesAreCovered) {
+    Random random(8);
+    const TriangleMesh mesh =
+        cube(4, [&](const Vec3d& p) { return Vec3d(random.uniform(0.3, 1.5) * p.normalized()); });
+    std::vector<SlimReport> reports;
+    expect_covered(
+        mesh, slim_of(mesh, {.max_error_world = 5e-3, .max_levels = 1}, reports).levels.front());
+}
+
+// Its edges bow by more than its width. Halved by straight lengths such a sliver became a million
+// parts that were no smaller.
+TEST(SlimCover, SliverThatBowsIsHalvedWhereItIsLong) {
+    const auto path = std::filesystem::path(ISOCAST_SHARED_DATA) / "nefertiti.obj";
+    std::ifstream file(path);
+    if (!file) GTEST_SKIP() << path << " is not there";
+    TriangleMesh all;
+    for (std::string kind; file >> kind; file.ignore(1000, '\n')) {
+        if (kind == "v") {
+            Vec3d& p = all.vertices_world.emplace_back();
+            file >> p.x() >> p.y() >> p.z();
+        } else if (kind == "f") {
+            auto& corners = all.triangles.emplace_back();
+            for (int& corner : corners) {
+                file >> corner;
+                --corner;
+                while (file.peek() > ' ') file.get(); // /NORMAL
+            }
+        }
+    }
+    const Triangle sliver = triangle_of(all, 288);
+    const Vec3d middle = (sliver.corners_world[0] + sliver.corners_world[1]) / 2;
+    TriangleMesh mesh{.vertices_world = all.vertices_world};
+    for (const auto& corners : all.triangles)
+        if (std::ranges::any_of(corners, [&](int corner) {
+                return (all.vertices_world[static_cast<std::size_t>(corner)] - middle).norm() < 6;
+            }))
+            mesh.triangles.push_back(corners);
+    std::vector<SlimReport> reports;
+    int batches = 0;
+    const SlimSurface surface = slim_of(mesh, {.max_error_world = 0.066, .max_levels = 1}, reports,
+                                        [&](std::string_view, double) {
+                                            if (++batches > 10'000)
+                                                throw std::runtime_error("it does not end");
+                                        });
+    expect_covered(mesh, surface.levels.front());
 }
 
 TEST(SlimCover, ThreadsDoNotMatter) {

@@ -1,5 +1,6 @@
 // A renderer that keeps parts draws again only what changed, and the same as one that keeps
-// nothing. SPDX-License-Identifier: MPL-2.0
+// nothing.
+// SPDX-License-Identifier: MPL-2.0
 #include "effect_rules.h"
 #include "quadrics/primitives.h"
 #include "raycaster/image.h"

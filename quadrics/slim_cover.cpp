@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <span>
 
 namespace isocast {
 
@@ -17,8 +19,8 @@ namespace {
 /// Of the error, the least radius that is tried.
 constexpr double least_radius_errors = 3.0 / 16;
 
-/// Parts are so small, by the radii of the pieces about: else much is covered twice because a
-/// little of a large part is left over.
+/// Of the radii of the pieces about, how far parts may reach from their middle: else much is
+/// covered twice, since a little of a large part is left over.
 constexpr double part_share = 0.3;
 /// Of the pieces so far, how many more at a time: spheres that grow together seldom meet.
 constexpr std::size_t pieces_by_batch = 16;
@@ -186,7 +188,7 @@ void Cover::cover(std::vector<Part> waiting, const std::function<void(double)>& 
     std::vector<std::size_t> taken(mesh_.size(), 0); // by triangle: the batch
     std::size_t batch_number = 0;
     while (!waiting.empty()) {
-        std::ranges::sort(waiting, {}, [](const Part& part) { return part.order; });
+        std::ranges::sort(waiting, {}, &Part::order);
         std::vector<Part> next;
         for (std::size_t at = 0; at < waiting.size();) {
             const std::size_t made_so_far = pieces_.size() - static_cast<std::size_t>(first_);

@@ -342,15 +342,7 @@ Shape rounded(const Shape& shape) {
     Surface mesh = collapsible(shape.mesh);
     collapse_edges(mesh, 3 * triangles / 2);
     CGAL::Subdivision_method_3::Loop_subdivision(mesh, CGAL::parameters::number_of_iterations(3));
-    Mesh fine;
-    for (const auto v : mesh.vertices()) fine.vertices_world.push_back(vec(mesh.point(v)));
-    for (const auto face : mesh.faces()) {
-        auto& corners = fine.triangles.emplace_back();
-        std::size_t k = 0;
-        for (const auto v : mesh.vertices_around_face(mesh.halfedge(face)))
-            corners[k++] = static_cast<int>(v);
-    }
-    return with_normals(shape.name + ", rounded", fine);
+    return with_normals(shape.name + ", rounded", mesh_of(mesh));
 }
 
 } // namespace

@@ -18,18 +18,7 @@ using namespace isocast;
 Mesh simplified(const TriangleMesh& from, std::size_t triangles) {
     CollapsibleMesh mesh = collapsible(from);
     collapse_edges(mesh, triangles * 3 / 2);
-    Mesh out;
-    for (const auto v : mesh.vertices()) {
-        const auto& p = mesh.point(v);
-        out.vertices_world.emplace_back(p.x(), p.y(), p.z());
-    }
-    for (const auto face : mesh.faces()) {
-        std::size_t k = 0;
-        auto& corners = out.triangles.emplace_back();
-        for (const auto v : mesh.vertices_around_face(mesh.halfedge(face)))
-            corners[k++] = static_cast<int>(v);
-    }
-    return out;
+    return mesh_of(mesh);
 }
 
 } // namespace

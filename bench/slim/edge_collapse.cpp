@@ -20,6 +20,21 @@ CollapsibleMesh collapsible(const TriangleMesh& mesh) {
     return out;
 }
 
+Mesh mesh_of(const CollapsibleMesh& mesh) {
+    Mesh out;
+    for (const auto v : mesh.vertices()) {
+        const auto& p = mesh.point(v);
+        out.vertices_world.emplace_back(p.x(), p.y(), p.z());
+    }
+    for (const auto face : mesh.faces()) {
+        std::size_t k = 0;
+        auto& corners = out.triangles.emplace_back();
+        for (const auto v : mesh.vertices_around_face(mesh.halfedge(face)))
+            corners[k++] = static_cast<int>(v);
+    }
+    return out;
+}
+
 void collapse_edges(CollapsibleMesh& mesh, std::size_t edges_left) {
     namespace sms = CGAL::Surface_mesh_simplification;
     sms::edge_collapse(mesh, sms::Count_stop_predicate<CollapsibleMesh>(edges_left),

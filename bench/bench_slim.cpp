@@ -37,13 +37,16 @@ struct Shape {
     std::string name;
     TriangleMesh mesh;
     std::vector<Vec3d> normals;
+    std::vector<double> mean_curvatures; // if known, per world unit
     double diagonal_world = 0;
 };
 
-/// At the shape's vertices: distances to an approximation, and angles with its normals.
+/// At the shape's vertices: distances to an approximation, and angles with its normals; of SLIM
+/// surfaces, what its mean curvatures are off by, by their RMS.
 struct Errors {
     double rms_world = 0, greatest_world = 0;
     double rms_degrees = 0, rms_face_degrees = 0; // interpolated from vertices; of faces
+    double rms_curvature = 0;
 };
 
 double degrees_between(const Vec3d& a, const Vec3d& b) {
@@ -51,7 +54,7 @@ double degrees_between(const Vec3d& a, const Vec3d& b) {
 }
 
 struct Off {
-    double world = 0, degrees = 0, face_degrees = 0;
+    double world = 0, degrees = 0, face_degrees = 0, curvature = 0;
 };
 template<class At>
 Errors errors_of(const Shape& shape, const At& at) {
@@ -64,13 +67,17 @@ Errors errors_of(const Shape& shape, const At& at) {
         sum.greatest_world = std::max(sum.greatest_world, one.world);
         sum.rms_degrees += one.degrees * one.degrees;
         sum.rms_face_degrees += one.face_degrees * one.face_degrees;
+        sum.rms_curvature += one.curvature * one.curvature;
     }
-    for (double* of : {&sum.rms_world, &sum.rms_degrees, &sum.rms_face_degrees})
+    for (double* of : {&sum.rms_world, &sum.rms_degrees, &sum.rms_face_degrees, &sum.rms_curvature})
         *of = std::sqrt(*of / static_cast<double>(count));
+    double squares = 0;
+    for (const double h : shape.mean_curvatures) squares += h * h;
+    sum.rms_curvature /= std::sqrt(squares / static_cast<double>(count));
     return sum;
 }
 
-/// Of the blend of patches within two errors, as pictures have it; by f / |grad f|.
+/// Of the blend of patches within twice their errors, as pictures have it; by f / |grad f|.
 Errors errors_of(const Shape& shape, const SlimLevel& level) {
     std::vector<SlimQuadric> quadrics;
     for (const SlimPatch& patch : level.patches) quadrics.push_back(slim_quadric(patch));
@@ -78,6 +85,7 @@ Errors errors_of(const Shape& shape, const SlimLevel& level) {
         double off = 0;
         double weight = 0;
         Vec3d normal = Vec3d::Zero();
+        Mat3d bend = Mat3d::Zero();
         for (std::size_t i = 0; i < quadrics.size(); ++i) {
             const SlimPatch& patch = level.patches[i];
             const Vec3d p = shape.mesh.vertices_world[v] - patch.centre_world;
@@ -85,16 +93,20 @@ Errors errors_of(const Shape& shape, const SlimLevel& level) {
             const SlimQuadric& f = quadrics[i];
             const Vec3d gradient = 2 * (f.a * p + f.b);
             const double distance = (p.dot(f.a * p + 2 * f.b) + f.c) / gradient.norm();
-            if (std::abs(distance) > 2 * level.max_error_world || !is_kept(patch, p) ||
-                gradient.dot(shape.normals[v]) < 0)
+            if (std::abs(distance) > 2 * patch.errors * level.max_error_world ||
+                !is_kept(patch, p) || gradient.dot(shape.normals[v]) < 0)
                 continue;
             const double w = slim_weight(p.norm() / patch.radius_world);
             off += w * distance;
             normal += w * gradient.normalized();
+            bend += 2 * w / gradient.norm() * f.a;
             weight += w;
         }
         if (weight == 0) return Off{};
-        return Off{std::abs(off / weight), degrees_between(normal, shape.normals[v]), 0};
+        const Vec3d n = normal.normalized();
+        const double mean = (bend.trace() - n.dot(bend * n)) / (2 * weight);
+        return Off{std::abs(off / weight), degrees_between(normal, shape.normals[v]), 0,
+                   shape.mean_curvatures.empty() ? 0 : mean - shape.mean_curvatures[v]};
     });
 }
 
@@ -195,9 +207,12 @@ void compare(const Shape& shape) {
         const Errors slim = errors_of(shape, surface.levels.front());
         const auto patches = static_cast<double>(surface.patch_count());
         fmt::print("  SLIM for {:.0e}: {} patches, {:.1f} s; RMS {:.2g}, greatest {:.2g}, "
-                   "normals {:.3f}\n",
+                   "normals {:.3f}",
                    share, patches, reports.front().seconds, slim.rms_world / shape.diagonal_world,
                    slim.greatest_world / shape.diagonal_world, slim.rms_degrees);
+        if (!shape.mean_curvatures.empty())
+            fmt::print(", mean curvatures {:.2g}", slim.rms_curvature);
+        fmt::print("\n");
         for (const bool is_rms : {true, false}) {
             const auto error = [&](const Errors& e) {
                 return is_rms ? e.rms_world : e.greatest_world;
@@ -221,15 +236,40 @@ Shape finished(Shape shape) {
     return shape;
 }
 
+/// How far places of the pieces are off the flat triangles, by the error.
+std::vector<double> off_pieces(const SlimLevel& level, const Tree& tree) {
+    const std::size_t places = std::max<std::size_t>(1, 100000 / level.patches.size());
+    std::vector<std::vector<double>> off(level.patches.size());
+    tbb::parallel_for(std::size_t{0}, off.size(), [&](std::size_t i) {
+        const SlimPatch& patch = level.patches[i];
+        std::mt19937_64 random(i);
+        std::uniform_real_distribution<> within(-patch.radius_world, patch.radius_world);
+        for (std::size_t k = 0; k < places; ++k) {
+            const double u = within(random);
+            const double v = within(random);
+            const Vec3d d = slim_axes(patch.normal) * Vec3d(u, v, height_at(patch, u, v));
+            if (d.norm() >= patch.radius_world || !is_kept(patch, d)) continue;
+            const Vec3d p = patch.centre_world + d;
+            off[i].push_back(std::sqrt(tree.squared_distance({p.x(), p.y(), p.z()})) /
+                             level.max_error_world);
+        }
+    });
+    std::vector<double> all;
+    for (const std::vector<double>& one : off) all.insert(all.end(), one.begin(), one.end());
+    std::ranges::sort(all);
+    return all;
+}
+
 /// Rays against the normals of random points of the flat triangles: whether any passes between
 /// pieces, and how far all hits are off these triangles.
 void cast_rays(const Shape& shape) {
     const Surface mesh = collapsible(shape.mesh);
     Tree tree(faces(mesh).begin(), faces(mesh).end(), mesh);
     tree.accelerate_distance_queries();
-    fmt::print("{}: error, patches, cut by planes, off by more; s; rays missed, hits; off, by the "
-               "error: median, 99 %, greatest, above 1\n",
-               shape.name);
+    fmt::print(
+        "{}: error, patches, cut by planes, off by more; s; rays missed, hits; off, by the "
+        "error: median, 99 %, greatest, above 1; of places of the pieces: 99 %, 99.9 %, greatest\n",
+        shape.name);
     for (const double share : {1e-3, 1e-4}) {
         const double error = share * shape.diagonal_world;
         std::vector<SlimReport> reports;
@@ -261,12 +301,14 @@ void cast_rays(const Shape& shape) {
         std::vector<double> all;
         for (const std::vector<double>& one : off) all.insert(all.end(), one.begin(), one.end());
         std::ranges::sort(all);
-        fmt::print("{:.0e} {} {} {} {:.1f} {} {} {:.3f} {:.1f} {:.1f} {}\n", share,
-                   surface.levels.front().patches.size(), reports.front().with_planes,
+        const std::vector<double> back = off_pieces(surface.levels.front(), tree);
+        fmt::print("{:.0e} {} {} {} {:.1f} {} {} {:.3f} {:.1f} {:.1f} {}; {:.1f} {:.1f} {:.1f}\n",
+                   share, surface.levels.front().patches.size(), reports.front().with_planes,
                    reports.front().over_bound, seconds,
                    std::ranges::count_if(off, &std::vector<double>::empty), all.size(),
                    all[all.size() / 2], all[all.size() * 99 / 100], all.back(),
-                   std::ranges::count_if(all, [](double d) { return d > 1; }));
+                   std::ranges::count_if(all, [](double d) { return d > 1; }),
+                   back[back.size() * 99 / 100], back[back.size() * 999 / 1000], back.back());
     }
 }
 
@@ -282,6 +324,8 @@ Shape torus() {
             const Vec3d out(std::cos(a), std::sin(a), 0);
             shape.normals.push_back(std::cos(b) * out + std::sin(b) * Vec3d::UnitZ());
             shape.mesh.vertices_world.push_back(out + 0.4 * shape.normals.back());
+            shape.mean_curvatures.push_back((1 + 0.8 * std::cos(b)) /
+                                            (0.8 * (1 + 0.4 * std::cos(b))));
             const auto at = [&](int x, int y) { return (x % n) * m + (y + m) % m; };
             const int skew = i % 2;
             shape.mesh.triangles.push_back({at(i, j), at(i + 1, j + skew), at(i, j + 1)});
@@ -300,6 +344,7 @@ Shape sphere() { // an octahedron's faces in 112^2 triangles
             numbers.try_emplace({x, y, z}, static_cast<int>(shape.normals.size()));
         if (is_new) {
             shape.normals.push_back(Vec3d(x, y, z).normalized());
+            shape.mean_curvatures.push_back(1);
             shape.mesh.vertices_world.push_back(shape.normals.back());
         }
         return at->second;

@@ -67,6 +67,8 @@ void check(const SlimLevel& level, std::size_t number) {
         if (!patch.centre_world.allFinite()) fail("its centre is not finite");
         if (!(patch.radius_world > 0) || !std::isfinite(patch.radius_world))
             fail("its radius is not positive");
+        if (!(patch.errors >= 1) || !std::isfinite(patch.errors))
+            fail("it may be off by less than the error");
         if (!is_unit(patch.normal)) fail("its normal is not of unit length");
         if (!std::ranges::all_of(patch.height, [](double c) { return std::isfinite(c); }))
             fail("its function is not finite");

@@ -32,6 +32,7 @@ struct SlimPatch {
     int plane_count = 0; // 0 ... 2
     bool is_any = false; // of two planes one suffices: around a corner that juts into the surface
     std::array<SlimPlane, 2> planes{};
+    double errors = 1; // how many of the level's errors it may be off by, 1 at least
 };
 
 /// Columns u, v and `normal`: a right-handed frame that depends on the normal alone.
@@ -64,7 +65,7 @@ double slim_weight(double share);
 /// A cover of the whole surface by patches.
 struct SlimLevel {
     std::vector<SlimPatch> patches;
-    double max_error_world = 0; // that they were fitted with: they differ by twice as much at most
+    double max_error_world = 0; // that they were fitted with
 };
 struct SlimSurface {
     std::vector<SlimLevel>

@@ -77,7 +77,7 @@ std::optional<SlimFragment> slim_fragment(const SlimPatch& patch, double max_err
     if (hits.empty() || !(hits.front().weight > 0)) return std::nullopt;
     const double facing = -hits.front().normal.dot(direction_world);
     const double slant = std::max(std::abs(facing), least_slant * direction_world.norm());
-    return SlimFragment{hits.front(), max_error_world / slant, facing >= 0};
+    return SlimFragment{hits.front(), patch.errors * max_error_world / slant, facing >= 0};
 }
 
 std::optional<SlimHit> blended(std::span<const SlimFragment> fragments, const Vec3d& axis_world) {

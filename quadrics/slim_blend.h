@@ -57,9 +57,9 @@ struct SlimFragment {
 };
 /// The patch's hit that shows: the nearest that its sphere and its planes hold.
 ///
-/// faces_front  as in intersect()
-/// fade         1 at least where depth counts nothing
-/// returns      none if its weight is 0
+/// max_error_world  of its level
+/// faces_front      as in intersect()
+/// returns          none if its weight is 0
 std::optional<SlimFragment> slim_fragment(const SlimPatch& patch, double max_error_world,
                                           const Vec3d& origin_world, const Vec3d& direction_world,
                                           bool faces_front, double t_near = 0);

@@ -153,8 +153,7 @@ SlimPiece Cover::grown(const Part& part) {
         }
     }
     return best ? std::move(*best)
-                : fitter.fall_back(part.triangle, place.middle_world,
-                                   slim_fall_back_errors * max_error_world_);
+                : fitter.fall_back(part.triangle, place.middle_world, max_error_world_);
 }
 
 /// Its longest edge, by way of its middle: so slivers do not become ever more slivers, nor edges
@@ -257,6 +256,10 @@ SlimLevel Cover::level(SlimReport& report) {
             if (spheres_[static_cast<std::size_t>(p)].covers(place)) of_part[i].push_back(p);
     });
     const std::vector<bool> stays = needed_patches(of_part, pieces_.size());
+    tbb::parallel_for(std::size_t{0}, pieces_.size(), [&](std::size_t p) {
+        if (stays[p])
+            pieces_[p].patch.errors = fitters_.local().errors_of(pieces_[p], max_error_world_);
+    });
     SlimLevel out{.patches = {}, .max_error_world = max_error_world_};
     for (std::size_t p = 0; p < pieces_.size(); ++p) {
         if (!stays[p]) continue;

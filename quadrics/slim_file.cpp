@@ -21,7 +21,7 @@ namespace isocast {
 namespace {
 
 constexpr std::string_view magic = "isoSLIM\n"; // a transfer as text would change its end
-constexpr std::uint32_t version = 2;
+constexpr std::uint32_t version = 3;
 
 struct Header {
     char magic[8];
@@ -42,11 +42,12 @@ struct Record {
     double radius;
     double normal[3];
     double height[6];
+    double errors;
     double planes[2][4]; // normal, offset; 0 where there is none
     std::uint32_t plane_count;
     std::uint32_t is_any; // 0 or 1
 };
-static_assert(sizeof(Record) == 176);
+static_assert(sizeof(Record) == 184);
 
 template<class Value>
 Value value_at(std::string_view bytes, std::size_t at) {
@@ -62,6 +63,7 @@ Record record_of(const SlimPatch& patch) {
     record.radius = patch.radius_world;
     put_vector(record.normal, patch.normal);
     std::ranges::copy(patch.height, record.height);
+    record.errors = patch.errors;
     for (std::size_t k = 0; k < static_cast<std::size_t>(patch.plane_count); ++k) {
         put_vector(record.planes[k], patch.planes[k].normal);
         record.planes[k][3] = patch.planes[k].offset_world;
@@ -76,7 +78,8 @@ SlimPatch patch_of(const Record& record) {
                     .radius_world = record.radius,
                     .normal = Eigen::Map<const Vec3d>(record.normal),
                     .plane_count = static_cast<int>(record.plane_count),
-                    .is_any = record.is_any == 1};
+                    .is_any = record.is_any == 1,
+                    .errors = record.errors};
     std::ranges::copy(record.height, patch.height.begin());
     for (std::size_t k = 0; k < record.plane_count; ++k)
         patch.planes[k] = {Eigen::Map<const Vec3d>(record.planes[k]), record.planes[k][3]};

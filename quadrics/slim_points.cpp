@@ -182,6 +182,7 @@ std::optional<PointPiece> PointCover::fit(std::size_t centre, double radius, boo
             piece.residual_world = flat;
     }
     patch.height = HeightFit::height_of(h, radius);
+    patch.errors = std::max(1.0, piece.residual_world / error_);
     if (!is_least && !is_filled(patch, own)) return std::nullopt;
     const double reach = std::min(slim_covered_share * radius, radius - spare);
     for (const std::size_t i : own)

@@ -52,7 +52,7 @@ void put_piece(const SlimPatch& patch, double max_error_world, const SlimFade& f
     record.put(turn * (patch.centre_world - space.eye_world), patch.radius_world);
     record.put({a(0, 0), a(0, 1), a(0, 2), b.x()});
     record.put({a(1, 1), a(1, 2), a(2, 2), 0});
-    record.put({b.y(), b.z(), f.c, max_error_world});
+    record.put({b.y(), b.z(), f.c, patch.errors * max_error_world});
     record.put({fade.rise, fade.fall, faces_front ? 1.0 : 0.0,
                 patch.is_any ? 3.0 : double(patch.plane_count)});
     for (std::size_t k = 0; k < 2; ++k) {

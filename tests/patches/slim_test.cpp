@@ -89,7 +89,10 @@ TEST_F(Slims, BlendThePiecesOfTheFirstSheet) {
         camera.projection = projection;
         for (int run = 0; run < 4; ++run) {
             SlimSurface heap{.levels = {{{}, 0.02}}, .is_closed = run % 2 == 0};
-            for (int i = 0; i < 40; ++i) heap.levels[0].patches.push_back(some_patch(random, 0.6));
+            for (int i = 0; i < 40; ++i) {
+                heap.levels[0].patches.push_back(some_patch(random, 0.6));
+                heap.levels[0].patches.back().errors = random.uniform(1, 3);
+            }
             const Primitives primitives{.slims = {heap}};
             const std::vector<SeenPrimitive> seen = cast_primitives(primitives, camera, 200, 200);
             const Image hits = drawn(primitives, FrameImage::Hit, 200);
@@ -118,6 +121,33 @@ TEST_F(Slims, BlendThePiecesOfTheFirstSheet) {
             EXPECT_LE(other, met / 2000);
             EXPECT_LE(turned, met / 2000);
         }
+    }
+}
+
+// A piece in front of another by more than both may be off is another sheet, which ends at its rim;
+// if it may be off by so much, it fades into the other.
+TEST_F(Slims, OfOneSheetFadeAtTheirRims) {
+    const double error = 0.01;
+    SlimSurface two{.levels = {{{{.radius_world = 2}, {.radius_world = 0.5}}, error}}};
+    SlimPatch& before = two.levels[0].patches[1];
+    before.centre_world = {0, 0, 2.5 * error};
+    camera.projection = Projection::Orthographic;
+    camera.eye_world = {0, 0, 6};
+    constexpr int size = 200;
+    for (const double errors : {1.0, 2.0}) {
+        before.errors = errors;
+        const Image hits = drawn({.slims = {two}}, FrameImage::Hit, size);
+        double greatest_step = 0;
+        for (std::size_t x = 1; x < size; ++x) { // along the middle
+            const std::size_t at = 4 * (x + size * (size / 2));
+            if (hits.rgba[at + 3] == 0 || hits.rgba[at - 1] == 0) continue;
+            greatest_step =
+                std::max(greatest_step, double(std::abs(hits.rgba[at + 2] - hits.rgba[at - 2])));
+        }
+        // The weight of the smaller falls by 2 / radius at most; a pixel is 0.02.
+        const double most = errors == 1 ? 2.5 * error : 2.5 * error * 2 * 0.02 / 0.5;
+        EXPECT_LT(greatest_step, 1.01 * most);
+        EXPECT_GT(greatest_step, 0.1 * most);
     }
 }
 

@@ -115,6 +115,7 @@ protected:
         SlimPatch& clipped = surface_.levels[0].patches[1];
         clipped.plane_count = 2;
         clipped.is_any = true;
+        clipped.errors = 2.5;
         clipped.planes = {{{random.unit(), 0.25}, {random.unit(), -0.5}}};
         write_slim(surface_, path_);
         std::ifstream file(path_, std::ios::binary);
@@ -135,6 +136,7 @@ TEST_F(SlimFile, ComesBackBitForBit) {
     EXPECT_EQ(patches[1].planes[1].normal, surface_.levels[0].patches[1].planes[1].normal);
     EXPECT_EQ(patches[2].height, surface_.levels[0].patches[2].height);
     EXPECT_TRUE(read.is_closed && patches[1].is_any);
+    EXPECT_EQ(patches[1].errors, 2.5);
     EXPECT_EQ(read.levels[1].max_error_world, 0.04);
     EXPECT_EQ(read.levels[1].patches.at(0).height, surface_.levels[1].patches[0].height);
     write_slim(read, path_);
@@ -172,7 +174,7 @@ TEST_F(SlimFile, OtherVersionsAreRefusedByNumber) {
         read_slim(path_);
         ADD_FAILURE() << "read";
     } catch (const InputError& error) {
-        EXPECT_NE(std::string(error.what()).find("version 1, not 2"), std::string::npos);
+        EXPECT_NE(std::string(error.what()).find("version 1, not 3"), std::string::npos);
     }
 }
 
@@ -190,6 +192,8 @@ TEST_F(SlimFile, WrongPatchesAreRefusedByName) {
     };
     EXPECT_EQ(message([](SlimSurface& s) { s.levels[0].patches[2].radius_world = -1; }),
               "SLIM level 0, patch 2: its radius is not positive");
+    EXPECT_EQ(message([](SlimSurface& s) { s.levels[0].patches[1].errors = 0.5; }),
+              "SLIM level 0, patch 1: it may be off by less than the error");
     EXPECT_EQ(message([](SlimSurface& s) { s.levels[0].patches[0].normal *= 2; }),
               "SLIM level 0, patch 0: its normal is not of unit length");
     EXPECT_EQ(message([](SlimSurface& s) { s.levels[0].patches[2].height[4] = std::nan(""); }),

@@ -437,7 +437,7 @@ double SlimFitter::rim_residual(const SlimPatch& patch) const {
             const std::array beyond{a.squaredNorm() - radius2, m.squaredNorm() - radius2,
                                     b.squaredNorm() - radius2};
             for (const std::size_t half : {0U, 1U}) {
-                // By the false position, kept inside the sphere.
+                // By the false position: squared distances are nearly linear in between.
                 double in = beyond[half] < 0 ? half / 2.0 : (half + 1) / 2.0;
                 double out = beyond[half] < 0 ? (half + 1) / 2.0 : half / 2.0;
                 double at_in = std::min(beyond[half], beyond[half + 1]);

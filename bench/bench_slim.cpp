@@ -71,6 +71,7 @@ Errors errors_of(const Shape& shape, const At& at) {
     }
     for (double* of : {&sum.rms_world, &sum.rms_degrees, &sum.rms_face_degrees, &sum.rms_curvature})
         *of = std::sqrt(*of / static_cast<double>(count));
+    if (shape.mean_curvatures.empty()) return sum;
     double squares = 0;
     for (const double h : shape.mean_curvatures) squares += h * h;
     sum.rms_curvature /= std::sqrt(squares / static_cast<double>(count));
@@ -104,6 +105,7 @@ Errors errors_of(const Shape& shape, const SlimLevel& level) {
         }
         if (weight == 0) return Off{};
         const Vec3d n = normal.normalized();
+        // Goldman, Curvature formulas for implicit curves and surfaces, 2005
         const double mean = (bend.trace() - n.dot(bend * n)) / (2 * weight);
         return Off{std::abs(off / weight), degrees_between(normal, shape.normals[v]), 0,
                    shape.mean_curvatures.empty() ? 0 : mean - shape.mean_curvatures[v]};

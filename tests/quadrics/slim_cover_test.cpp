@@ -37,6 +37,19 @@ double distance_to_cube(const Vec3d& p) {
     return outside.isZero(0) ? 1 - p.cwiseAbs().maxCoeff() : outside.norm();
 }
 
+struct OnMesh {
+    std::size_t triangle;
+    Vec3d barycentric;
+};
+/// Any triangle as likely as another, any place of it, too.
+OnMesh some_place(Random& random, std::size_t triangles) {
+    const auto triangle =
+        static_cast<std::size_t>(random.uniform(0, static_cast<double>(triangles) - 1e-9));
+    const double u = std::sqrt(random.uniform(0, 1));
+    const double v = random.uniform(0, 1);
+    return {triangle, {1 - u, u * (1 - v), u * v}};
+}
+
 struct Met {
     double greatest_off = 0; // of all hits, from the surface
     int missed = 0;
@@ -48,13 +61,11 @@ Met met_by_rays(const TriangleMesh& mesh, const SlimLevel& level, double reach, 
     Random random(7);
     Met met;
     for (int i = 0; i < count; ++i) {
-        const auto number = static_cast<std::size_t>(
-            random.uniform(0, static_cast<double>(mesh.triangles.size()) - 1e-9));
-        const Triangle triangle = triangle_of(mesh, number);
-        const double u = std::sqrt(random.uniform(0, 1));
-        const double v = random.uniform(0, 1);
+        const OnMesh place = some_place(random, mesh.triangles.size());
+        const Triangle triangle = triangle_of(mesh, place.triangle);
         const auto& [a, b, c] = triangle.corners_world;
-        const Vec3d p = (1 - u) * a + u * ((1 - v) * b + v * c);
+        const Vec3d& l = place.barycentric;
+        const Vec3d p = l[0] * a + l[1] * b + l[2] * c;
         const Vec3d n = area_normal(triangle).normalized();
         bool is_met = false;
         for (const SlimPatch& patch : level.patches)
@@ -95,11 +106,8 @@ TEST(SlimCover, PatchesSayHowFarTheyAreOff) {
     double greatest = 0;
     double greatest_by_said = 0;
     for (int i = 0; i < 20000; ++i) {
-        const auto triangle =
-            static_cast<std::size_t>(random.uniform(0, static_cast<double>(bent.size()) - 1e-9));
-        const double u = std::sqrt(random.uniform(0, 1));
-        const double v = random.uniform(0, 1);
-        const Vec3d p = bent.point(triangle, {1 - u, u * (1 - v), u * v});
+        const OnMesh place = some_place(random, bent.size());
+        const Vec3d p = bent.point(place.triangle, place.barycentric);
         for (const SlimPatch& patch : level.patches) {
             const Vec3d d = p - patch.centre_world;
             if (d.norm() >= patch.radius_world) continue;
